@@ -1,0 +1,144 @@
+"""Whether recorded hands hold recorded things: authored recordings of carries, bare and adapted.
+
+    PYTHONPATH=src:tests python -m campaigns.holds --log holds.jsonl [--how adapted]
+                          [--only suitcase,-gap-] [--case ID] [--seconds 600] [--shard 0/2]
+                          [--summary] [--against other.jsonl]
+
+`bare` simulates a recording as it is, `adapted` what `halfphysics.adapt` makes of its motion. One
+row of figures a case (`support.carries.figures`), each with its limit (`support.carries.limits`);
+a star in the table marks a figure that misses it. Logged cases are not run again; rows of both
+kinds may share a log. `--against` compares with another log (or the same one) case by case, with
+its `--against-how` rows.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+import warnings
+from pathlib import Path
+
+import numpy as np
+
+from halfphysics.simulation.simulate import simulate
+from support.carries.cases import all_cases
+from support.carries.figures import change, figures
+from support.carries.limits import comparison, failed, held, summary, table
+from support.carries.people import bones_work
+from support.carries.recordings import Recording, recording
+
+HOWS = ("bare", "adapted")
+
+
+def prepared(made: Recording, how: str):
+    """The motion to simulate: as recorded, or adapted to the recorded thing."""
+    sequence = made.sequence()
+    if how == "bare":
+        return sequence.motion
+    from halfphysics.adapt import adapt
+
+    return adapt(sequence.motion, sequence.scene, sequence.body, sequence.recorded).motion
+
+
+def run(case, how="bare"):
+    """The row of one case."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        begin = time.perf_counter()
+        made = recording(case)
+        recorded = time.perf_counter()
+        motion = prepared(made, how)
+        adapted = time.perf_counter()
+        sequence = made.sequence()
+        result = simulate(motion, sequence.scene, body=sequence.body)
+    sides = list(made.thing.grasps)
+    row = {
+        "id": case.id,
+        "how": how,
+        "thing": case.thing,
+        "way": case.way,
+        "noise": case.noise,
+        "fingers": case.fingers,
+        "hands": len(sides),
+        "stature": case.stature,
+        "arms": case.arms if bones_work() else 1.0,
+        "mass": made.thing.mass,
+        "frames": len(result),
+        "recording_s": recorded - begin,
+        "adapting_s": adapted - recorded,
+        "simulating_s": time.perf_counter() - adapted,
+        **change(made.motion, motion, made.body, made.hold, sides),
+        **figures(result, made),
+    }
+    row["failed"] = failed(row)
+    row["held"] = held(row)
+    return {
+        name: (None if isinstance(value, float) and not np.isfinite(value) else value)
+        for name, value in row.items()
+    }
+
+
+def read(log):
+    """The rows of a log; none where there is no file."""
+    return [json.loads(line) for line in log.read_text().splitlines()] if log.exists() else []
+
+
+def campaign(cases, log, how="bare", seconds=np.inf):
+    """Runs the cases that the log misses and appends their rows; returns all rows of the cases."""
+    wanted = [case.id for case in cases]
+    done = {row["id"] for row in read(log) if row["how"] == how}
+    end = time.monotonic() + seconds
+    with log.open("a") as out:
+        for case in cases:
+            if case.id in done:
+                continue
+            if time.monotonic() > end:
+                break
+            try:
+                row = run(case, how)
+            except Exception:
+                print(f"in case {case.id}", file=sys.stderr)
+                raise
+            out.write(json.dumps(row) + "\n")
+            out.flush()
+            print(f"{case.id}: {', '.join(row['failed']) or 'all kept'}", file=sys.stderr)
+    rows = {row["id"]: row for row in read(log) if row["how"] == how}
+    return [rows[name] for name in wanted if name in rows]
+
+
+def main():
+    p = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    p.add_argument("--log", type=Path, default=Path("holds.jsonl"))
+    p.add_argument("--how", choices=HOWS, default="bare")
+    p.add_argument("--seconds", type=float, default=np.inf)
+    p.add_argument("--shard", default="0/1", help="k/n: every n-th case from k on")
+    p.add_argument("--only", default="", help="cases whose id contains one of these, by commas")
+    p.add_argument("--case", help="one case by id: its row, nothing is written")
+    p.add_argument("--against", type=Path, help="a log to compare with")
+    p.add_argument("--against-how", choices=HOWS, default="bare", help="which rows of that log")
+    p.add_argument("--summary", action="store_true", help="of the log, nothing is run")
+    options = p.parse_args()
+    cases = all_cases()
+    if options.case:
+        case = next(c for c in cases if c.id == options.case)
+        print(json.dumps(run(case, options.how), indent=1))
+        return
+    k, n = map(int, options.shard.split("/"))
+    cases = [c for c in cases if any(o in c.id for o in options.only.split(","))]
+    order = np.random.default_rng(0).permutation(len(cases))[k::n]  # any part is a fair sample
+    cases = [cases[i] for i in sorted(order)]
+    seconds = -1.0 if options.summary else options.seconds
+    rows = campaign(cases, options.log, options.how, seconds)
+    print(table(rows))
+    print()
+    print(summary(rows))
+    if options.against:
+        print()
+        before = [row for row in read(options.against) if row["how"] == options.against_how]
+        print(comparison(before, rows))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,337 @@
+"""A sample of `campaigns.holds`: recordings are right, figures measure what they say."""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import halfphysics as hp
+from campaigns.holds import campaign, prepared
+from halfphysics.base import rotations as rot
+from halfphysics.errors import HalfPhysicsWarning
+from halfphysics.motion.skeleton import PARENTS
+from support.carries.acting import hand_joints, parts_of
+from support.carries.cases import all_cases
+from support.carries.figures import Carry, angle_deg, carry_figures, change_figures, untouched
+from support.carries.files import ASIDE, SCALE, omomo_clip, write_omomo
+from support.carries.limits import LIMITS, comparison, failed, held, summary, table
+from support.carries.people import offsets_of, person
+from support.carries.recordings import (
+    CLEAR,
+    NOISE,
+    Case,
+    is_hand,
+    recording,
+    stand_distance,
+    surface_points,
+)
+from support.carries.things import MOST, REST, THINGS
+
+#: A palm touches: nearer than this [m].
+TOUCHES = 1e-3
+EXACT = 1e-9
+PLAIN = (Case("glass"), Case("bowl", "back", "air", stature=1.62))
+
+
+@pytest.fixture(scope="module", params=PLAIN, ids=lambda case: case.thing)
+def made(request):
+    return recording(request.param)
+
+
+def hands_of(made, side):
+    return [n for n in set(parts_of(made.body)) if is_hand(n) and n.startswith(side)]
+
+
+def test_palms_touch_the_thing_while_it_is_held(made):
+    frames = np.arange(made.hold[0], made.hold[1] + 1, 3)
+    for side in made.thing.grasps:
+        nearest = made.distances(hands_of(made, side), frames).min(axis=1)
+        assert np.abs(nearest).max() < TOUCHES
+    # The thing moves exactly with each wrist.
+    places, turns = made.body.joint_frames(made.motion)
+    for side in made.thing.grasps:
+        wrist = 20 if side == "left" else 21
+        first, last = made.hold
+        away = made.track.position - places[:, wrist]
+        local = rot.rotate(rot.conjugate(turns[:, wrist]), away)[first : last + 1]
+        assert np.ptp(local, axis=0).max() < EXACT
+
+
+def test_the_thing_rests_on_what_it_stands_on(made):
+    low = surface_points(made)[..., 2].min(axis=1)
+    top = max((2.0 * at[2] for _, at, _ in made.stands.values()), default=0.0)
+    first, last = made.hold
+    rests = [slice(0, first)] + ([slice(last, None)] if made.case.ends == "down" else [])
+    for rest in rests:
+        assert np.abs(low[rest] - top - REST).max() < EXACT
+    assert np.ptp(made.track.position[:first], axis=0).max() == 0.0
+    for stand in made.stands.values():
+        assert stand_distance(stand, surface_points(made)).min() > 0.5 * REST
+    assert np.ptp(low) >= 0.14
+
+
+def test_the_body_is_clear_and_stands_on_the_floor(made):
+    own = [n for n in set(parts_of(made.body)) if not is_hand(n) and not n.endswith("_elbow")]
+    frames = np.arange(0, len(made.motion), 5)
+    assert made.distances(own, frames).min() > 0.5 * CLEAR
+    assert made.distances(list(set(parts_of(made.body))), [0]).min() > CLEAR
+    low = made.body.vertices(made.motion, frames=frames)[..., 2].min(axis=1)
+    assert low.min() > -1e-3
+    assert low.max() < 0.03
+    joints = made.body.joints(made.motion)
+    speed = np.linalg.norm(np.diff(joints, axis=0), axis=-1) * made.motion.fps
+    assert speed.max() < 4.0
+
+
+def test_a_seed_gives_the_same_recording():
+    case = Case("mug", "turn", "air", "gap", seed=3)
+    first, again, other = recording(case), recording(case), recording(replace(case, seed=4))
+    assert np.array_equal(first.motion.rotations, again.motion.rotations)
+    assert np.array_equal(first.track.position, again.track.position)
+    assert not np.array_equal(first.track.position, other.track.position)
+
+
+@pytest.mark.parametrize("noise", ["gap", "aside", "inside"])
+def test_noise_shifts_the_thing_against_the_hand(noise):
+    exact = recording(Case("mug", "turn", "down"))
+    off = recording(Case("mug", "turn", "down", noise, fingers=False))
+
+    def palm(made):
+        at = made.body.joints(made.motion)[:, 21:22]
+        frames = np.arange(len(at))
+        return made.in_thing(at, frames)[made.hold[0] : made.hold[1] + 1, 0]
+
+    shift = palm(off) - palm(exact)
+    size = np.linalg.norm(shift, axis=1)
+    low, high = NOISE[1]
+    assert size.min() > low - EXACT
+    assert size.max() < high + EXACT
+    assert np.ptp(size) > 1e-3
+    if noise != "aside":
+        outward = -np.asarray(THINGS["mug"].grasps["right"].facing)
+        assert (np.sign(shift @ outward) == (1.0 if noise == "gap" else -1.0)).all()
+    assert not off.motion.rotations[:, hand_joints("right")].any()
+    rest = off.track.position[: off.hold[0]]
+    assert np.ptp(rest, axis=0).max() == 0.0
+    gap = off.distances(hands_of(off, "right"), [0]).min()
+    assert gap > CLEAR
+
+
+def test_cases_are_many_and_differ():
+    cases = all_cases()
+    assert len(cases) >= 40
+    assert len({case.id for case in cases}) == len(cases)
+    assert {case.thing for case in cases} == set(THINGS)
+    for thing in THINGS.values():
+        assert 0.0 < thing.mass <= MOST[len(thing.grasps)]
+        own = [case for case in cases if case.thing == thing.name]
+        assert {case.fingers for case in own} == {True, False}
+        assert len({case.noise for case in own}) >= 3
+
+
+def test_people_have_the_size_asked_for():
+    for case in all_cases():
+        body = person(case.stature, case.arms)
+        assert 1.55 <= case.stature <= 1.95
+        assert 0.9 <= case.arms <= 1.1
+        length = np.linalg.norm(offsets_of(body)[[18, 19, 20, 21]], axis=1)
+        assert length.min() > 0.18
+        assert length.max() < 0.36
+
+
+def test_a_bare_recording_does_not_carry(tmp_path):
+    cases = [Case("glass", "turn", "air", "gap", fingers=False)]
+    log = tmp_path / "rows.jsonl"
+    (row,) = campaign(cases, log)
+    assert campaign(cases, log, seconds=-1.0) == [row]
+    assert json.loads(json.dumps(row)) == row
+    assert {limit.figure for limit in LIMITS} <= set(row)
+    assert not row["held"]
+    assert row["breaches"] == 0
+    assert row["hands_mm"] == row["elsewhere_mm"] == 0.0
+    assert row["untouched_equal"]
+    assert row["id"] in table([row])
+    assert "held" in summary([row])
+    assert comparison([row], [row]).splitlines()[0].startswith("1 cases")
+
+
+def test_bare_is_as_recorded():
+    made = recording(Case("glass"))
+    assert prepared(made, "bare") is made.motion
+    sequence = made.sequence()
+    assert sequence.recorded["glass"] is made.track
+    assert np.array_equal(sequence.scene.objects["glass"].position, made.track.position[0])
+
+
+def test_adapted_is_what_adapt_makes_of_the_recording(monkeypatch):
+    """`adapt` is given the motion, the scene, the body and the tracks, and its motion is used."""
+    made, given = recording(Case("glass")), []
+    other = made.motion.with_frames(made.motion.translation + 0.001, made.motion.rotations)
+
+    def adapt(*arguments):
+        given.extend(arguments)
+        return SimpleNamespace(motion=other)
+
+    monkeypatch.setitem(sys.modules, "halfphysics.adapt", SimpleNamespace(adapt=adapt))
+    assert prepared(made, "adapted") is other
+    motion, scene, body, recorded = given
+    assert (motion, body) == (made.motion, made.body)
+    assert list(scene.objects) == list(recorded) == ["glass"]
+
+
+def test_omomo_files_hold_the_same_recording(tmp_path):
+    exact = [recording(Case("mug", "back", "air")), recording(Case("bowl", "back", "air"))]
+    path = write_omomo(exact, tmp_path)
+    for number, made in enumerate(exact):
+        name = made.case.thing
+        clip = f"sub1_{name}_{number:03}"
+        with pytest.warns(HalfPhysicsWarning, match="nothing says what"):
+            sequence = hp.load_sequence(path, clip=clip)
+        motion, track = sequence.motion, sequence.recorded[name]
+        assert np.abs(motion.translation - made.motion.translation).max() < EXACT
+        assert np.abs(motion.rotations[:, :22] - made.motion.rotations[:, :22]).max() < EXACT
+        assert not motion.rotations[:, 22:].any()
+        vertices = sequence.scene.objects[name].mesh()[0] - SCALE * ASIDE
+        assert np.abs(vertices.min(axis=0) - made.thing.mesh.bounds[0]).max() < 1e-6
+        assert np.abs(vertices.max(axis=0) - made.thing.mesh.bounds[1]).max() < 1e-6
+        assert angle_deg(track.quaternion, made.track.quaternion).max() < 1e-5
+        # The data set's mesh is not centred: its middle is where the recording has it.
+        middle = track.position + rot.rotate(track.quaternion, SCALE * ASIDE)
+        assert np.abs(middle - made.track.position).max() < EXACT
+        # Its bones are those of the recorded person: the same wrists follow from them.
+        fields = omomo_clip(made)
+        joints = np.asarray(made.body.rest_joints)
+        rest = fields["rest_offsets"]
+        for joint in range(1, 22):
+            assert np.allclose(rest[joint], joints[joint] - joints[PARENTS[joint]])
+        root = made.motion.translation - fields["trans2joint"]
+        assert np.abs(root - made.body.joints(made.motion)[:, 0]).max() < EXACT
+
+
+FPS = 10.0
+
+
+def by_hand(**changes):
+    """Two hands lift a thing by 0.5 m in frames 10 to 30, pressing with 20 N each."""
+    frames = np.arange(41)
+    position = np.zeros((41, 3))
+    position[:, 2] = 0.5 * np.clip((frames - 10) / 10.0, 0.0, 1.0)
+    still = np.tile([1.0, 0.0, 0.0, 0.0], (41, 1))
+    hands = position[:, None] + np.array([[0.0, 0.2, 0.0], [0.0, -0.2, 0.0]])
+    touched = np.repeat(np.arange(10, 31), 2)
+    hand = np.tile([0, 1], 21)
+    normal = np.where(hand[:, None] == 0, [[0.0, 1.0, 0.0]], [[0.0, -1.0, 0.0]])
+    columns = {
+        "fps": FPS, "hold": (10, 30), "position": position, "quaternion": still,
+        "recorded_position": position, "recorded_quaternion": still, "hand": hand,
+        "frame": touched, "normal": normal, "impulse": 2.0 * normal + [0.0, 0.0, -1.0],
+        "hand_position": hands, "hand_quaternion": np.tile(still[:, None], (1, 2, 1)),
+    }  # fmt: skip
+    return Carry(**columns | changes)
+
+
+def test_figures_of_a_perfect_carry():
+    row = carry_figures(by_hand())
+    assert row["lifted"]
+    assert (row["carried"], row["carried_share"]) == (True, 1.0)
+    assert (row["away_mm"], row["away_deg"], row["end_mm"]) == (0.0, 0.0, 0.0)
+    assert row["rise_mm"] == row["recorded_rise_mm"] == pytest.approx(500.0)
+    assert row["released_s"] == pytest.approx(0.0)
+    assert row["mean_n"] == pytest.approx([20.0, 20.0])
+    assert row["peak_n"] == pytest.approx(20.0)
+    assert row["opposition"] == pytest.approx(1.0)
+    assert row["slip_mm"] == pytest.approx(0.0, abs=1e-9)
+    assert row["early_mm"] == row["pushed_mm"] == 0.0
+    assert failed(row) == []
+    assert held(row)
+
+
+def test_figures_of_a_thing_that_stays():
+    plain = by_hand()
+    none = {"hand": plain.hand[:0], "frame": plain.frame[:0]}
+    none |= {"normal": plain.normal[:0], "impulse": plain.impulse[:0]}
+    row = carry_figures(by_hand(position=np.zeros((41, 3)), **none))
+    assert not row["lifted"]
+    # Of the tenths of the hold, at frames 12, 14, ...: 0.1 m at the first.
+    assert row["carried_share"] == pytest.approx(0.1)
+    assert row["away_mm"] == pytest.approx(500.0)
+    assert row["released_s"] is None
+    assert row["opposition"] is None
+    assert row["slip_mm"] is None
+    assert row["peak_n"] == 0.0
+    assert not held(row)
+
+
+def test_figures_of_a_thing_that_is_dropped_slips_and_turns():
+    plain = by_hand()
+    early = plain.frame <= 20
+    dropped = {name: getattr(plain, name)[early] for name in ("hand", "frame", "normal", "impulse")}
+    row = carry_figures(by_hand(**dropped))
+    assert row["released_s"] == pytest.approx(-1.0)
+    # A touch after the drop does not count, one lost frame is no release.
+    again = dict(dropped, frame=np.where(dropped["frame"] == 20, 30, dropped["frame"]))
+    assert carry_figures(by_hand(**again))["released_s"] == pytest.approx(-1.1)
+    gap = plain.frame != 20
+    kept = {name: getattr(plain, name)[gap] for name in ("hand", "frame", "normal", "impulse")}
+    assert carry_figures(by_hand(**kept))["released_s"] == pytest.approx(0.0)
+    # It sinks by 30 mm in the hands.
+    sunk = plain.position.copy()
+    sunk[25:, 2] -= 0.03
+    assert carry_figures(by_hand(position=sunk))["slip_mm"] == pytest.approx(30.0)
+    turned = plain.quaternion.copy()
+    turned[29:] = rot.exp([0.0, 0.0, np.radians(20.0)])
+    row = carry_figures(by_hand(quaternion=turned))
+    assert row["away_deg"] == pytest.approx(20.0)
+    assert row["carried_share"] == pytest.approx(0.9)
+    # Turned with the hands: it is carried askew, and does not slip.
+    both = np.tile(turned[:, None], (1, 2, 1))
+    hands = plain.position[:, None] + rot.rotate(both, np.array([[0, 0.2, 0], [0, -0.2, 0]]))
+    row = carry_figures(by_hand(quaternion=turned, hand_position=hands, hand_quaternion=both))
+    assert row["slip_mm"] == pytest.approx(0.0, abs=1e-9)
+    # It moves by 40 mm before the hold: untouched, then pushed.
+    moved = plain.position.copy()
+    moved[:8, 0] = -0.04
+    moved[0, 0] = 0.0
+    row = carry_figures(by_hand(position=moved))
+    assert row["early_mm"] == row["pushed_mm"] == pytest.approx(40.0)
+    pushed = dict(frame=np.r_[1, plain.frame[1:]])
+    row = carry_figures(by_hand(position=moved, **pushed))
+    assert (row["early_mm"], row["pushed_mm"]) == (0.0, pytest.approx(40.0))
+
+
+def test_one_hand_alone_does_not_oppose():
+    plain = by_hand()
+    one = plain.hand == 0
+    kept = {name: getattr(plain, name)[one] for name in ("hand", "frame", "normal", "impulse")}
+    row = carry_figures(by_hand(**kept))
+    assert row["opposition"] == pytest.approx(0.0)
+    assert row["mean_n"] == pytest.approx([20.0, 0.0])
+
+
+def test_the_change_of_a_motion():
+    frames = np.arange(60) / 30.0
+    recorded = np.zeros((60, 3, 3))
+    recorded[..., 0] = (np.sin(3.0 * frames))[:, None]
+    changed = recorded.copy()
+    changed[20:40, 0, 1] += 0.02
+    hand = np.array([True, False, False])
+    told = change_figures(recorded, changed, 30.0, (20, 39), hand)
+    assert told["hands_mm"] == pytest.approx(20.0)
+    assert (told["elsewhere_mm"], told["most_mm"]) == (0.0, pytest.approx(20.0))
+    assert told["jerk_ratio"] > 5.0
+    assert change_figures(recorded, recorded, 30.0, (20, 39), hand)["jerk_ratio"] == 1.0
+
+
+def test_untouched_frames_are_exactly_equal():
+    made = recording(Case("glass"))
+    motion, first = made.motion, made.hold[0]
+    for frame, same in ((first - 31, False), (first, True), (first - 30, True)):
+        rotations = motion.rotations.copy()
+        rotations[frame, 5] += 1e-12
+        other = motion.with_frames(motion.translation, rotations)
+        assert untouched(motion, other, made.hold) is same

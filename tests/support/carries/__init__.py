@@ -1,0 +1,1 @@
+"""Authored recordings of people who carry things, and figures of what becomes of them simulated."""

@@ -4,11 +4,11 @@
                           [--only suitcase,-gap-] [--case ID] [--seconds 600] [--shard 0/2]
                           [--summary] [--against other.jsonl]
 
-`bare` simulates a recording as it is, `adapted` what `halfphysics.adapt` makes of its motion. One
-row of figures a case (`support.carries.figures`), each with its limit (`support.carries.limits`);
-a star in the table marks a figure that misses it. Logged cases are not run again; rows of both
-kinds may share a log. `--against` compares with another log (or the same one) case by case, with
-its `--against-how` rows.
+`bare` simulates a recording as it is, `adapted` what `halfphysics.adapt` makes of its motion,
+`contact` the same without a grip. One row of figures a case (`support.carries.figures`), each with
+its limit (`support.carries.limits`); a star in the table marks a figure that misses it. Logged
+cases are not run again; rows of all kinds may share a log. `--against` compares with another log
+(or the same one) case by case, with its `--against-how` rows.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from support.carries.limits import comparison, failed, held, summary, table
 from support.carries.people import bones_work
 from support.carries.recordings import Recording, recording
 
-HOWS = ("bare", "adapted")
+HOWS = ("bare", "contact", "adapted")
 
 
 def prepared(made: Recording, how: str):
@@ -37,9 +37,10 @@ def prepared(made: Recording, how: str):
     sequence = made.sequence()
     if how == "bare":
         return sequence.motion
-    from halfphysics.adapt import adapt
+    from halfphysics.adaptation.adapt import adapt
 
-    return adapt(sequence.motion, sequence.scene, sequence.body, sequence.recorded).motion
+    its = (sequence.motion, sequence.scene, sequence.body, sequence.recorded)
+    return (adapt(*its) if how == "adapted" else adapt(*its, grip=False)).motion
 
 
 def run(case, how="bare"):

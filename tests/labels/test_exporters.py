@@ -55,7 +55,7 @@ def test_omomo_asks_how_far_the_hands_joints_are_from_the_objects_vertices():
     result, labels = held()
     found = omomo(labels)
     joints = result.people[0].body.joints(result.motion)
-    hands = [hp.JOINT_NAMES.index("left_index1"), hp.JOINT_NAMES.index("right_index1")]
+    hands = [hp.JOINT_NAMES.index("left_middle1"), hp.JOINT_NAMES.index("right_middle1")]
     for frame in range(0, len(result.motion), 10):
         points = _frame(result, frame)[1]
         apart = np.linalg.norm(joints[frame, hands][:, None] - points, axis=2).min(axis=1)

@@ -62,7 +62,8 @@ class AdaptedHold:
         parts: Joints that hold it: wrists.
         first: Frame in which the hands press.
         last: Last frame in which they do.
-        force: What each hand presses with [N].
+        force: What each hand presses with against the other [N]; 0: fingers hold it, or it is
+            borne from below.
         moved: How far each palm was moved from where it was recorded [m], medians over the hold.
     """
 
@@ -99,7 +100,8 @@ class Adaptation:
             told.append(
                 f"{hold.object} from {hold.first / self.motion.fps:.1f} to "
                 f"{hold.last / self.motion.fps:.1f} s in the {names} hand, "
-                f"palms moved by {palms} cm, pressing with {hold.force:.0f} N"
+                f"moved by {palms} cm"
+                + (f" and pressing with {hold.force:.0f} N" if hold.force else "")
             )
         return f"hands adapted to what they hold: {'; '.join(told)}"
 
@@ -111,6 +113,7 @@ def adapt(
     recorded: Mapping[str, ObjectTrack] | None = None,
     *,
     settings: Settings | None = None,
+    grip: bool = True,
 ) -> Adaptation:
     """Adapt a recorded motion to the things that it held.
 
@@ -120,6 +123,7 @@ def adapt(
         body: The person's body; None: the default body.
         recorded: Name of an object -> its recorded poses, T frames.
         settings: How it will be simulated: the drive that presses. None: the defaults.
+        grip: Hands press with what the load needs. False: they touch.
 
     Raises:
         InputError: A track of another length than the motion.
@@ -143,10 +147,11 @@ def adapt(
         friction = min(_SKIN, thing.item.friction)
         for hold in recorded_holds(motion, body, hands, thing):
             its = places(motion, body, hold, friction)
-            force = _force(hold, its, friction, motion.fps, scene.gravity)
+            force = _force(hold, its, friction, motion.fps, scene.gravity) if grip else 0.0
             moved = []
             for place, arrives in zip(its, hold.arrives, strict=True):
-                out, away = _held(out, body, hold, place, arrives, force, settings)
+                squeeze = _SQUEEZE if grip else 0.0
+                out, away = _held(out, body, hold, place, arrives, force, squeeze, settings)
                 moved.append(away)
             parts = tuple(f"{place.hand.side}_wrist" for place in its)
             holds.append(AdaptedHold(name, parts, hold.first, hold.last, force, tuple(moved)))
@@ -157,7 +162,7 @@ def _force(
     hold: RecordedHold, its: tuple[Place, ...], friction: float, fps: float, gravity: Array
 ) -> float:
     """What each hand presses with, so that friction bears weight and recorded acceleration [N]."""
-    if len(its) < 2:
+    if not any(place.presses.any() for place in its):
         return 0.0
     frames = slice(hold.first, hold.last + 1)
     centre = hold.thing.centre[frames]
@@ -186,6 +191,7 @@ def _held(
     place: Place,
     arrives: int,
     force: float,
+    squeeze: float,
     settings: Settings,
 ) -> tuple[Motion, float]:
     """The motion with one hand at its place on the thing; how far its palm was moved [m]."""
@@ -197,9 +203,9 @@ def _held(
     rows = np.ix_(frames, np.array(hand.arm))
     rotations[rows] = arm_pose.moved(motion, body, hand, frames, wrist, turn)
     motion = motion.with_frames(motion.translation, rotations)
-    motion = _closed(motion, body, hold, place, timing)
+    motion = _closed(motion, body, hold, place, timing, squeeze)
     pressing = np.flatnonzero(timing.presses > 0.0)
-    if place.grasps or settings.drive_time is None or not len(pressing):
+    if force == 0.0 or settings.drive_time is None or not len(pressing):
         return motion, away
     push = timing.presses[pressing, None] * force * (hold.thing.turn[pressing] @ place.presses)
     rotations = np.array(motion.rotations)
@@ -254,8 +260,15 @@ def _reached(
     return turn, palm - turn @ hand.palm, away
 
 
-def _closed(motion: Motion, body: Body, hold: RecordedHold, place: Place, timing: Timing) -> Motion:
-    """The motion with the fingers of a hand around what it holds."""
+def _closed(
+    motion: Motion,
+    body: Body,
+    hold: RecordedHold,
+    place: Place,
+    timing: Timing,
+    squeeze: float,
+) -> Motion:
+    """The motion with the fingers of a hand around what it holds, flexed beyond by a squeeze."""
     known = fingers_known(motion, place.hand)
     start = fingers_at(motion, place, hold.middle)
     around = closed(body, hold.thing, place, start, known)
@@ -266,7 +279,7 @@ def _closed(motion: Motion, body: Body, hold: RecordedHold, place: Place, timing
     share, closes, presses = (
         x[frames, None, None] for x in (timing.share, timing.closed, timing.presses)
     )
-    target = around.angles + _SQUEEZE * presses * around.presses
+    target = around.angles + squeeze * presses * around.presses
     if around.opened is None:
         mixed = recorded + share * closes * (target - recorded)
     else:

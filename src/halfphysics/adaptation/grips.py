@@ -58,7 +58,7 @@ class Place:
         hand: Which hand.
         point: Where the middle of its palm touches (3,) [m].
         normal: Outward normal of the surface there (3,).
-        presses: Direction in which it presses (3,).
+        presses: Direction in which it presses (3,); zeros: against no other hand, it only bears.
         turn: Rotation of the hand, thing from wrist (3, 3).
         seen: Where the middle of its palm was recorded (3,) [m], the mean over the hold.
         seen_turn: And the hand's rotation (3, 3).
@@ -119,7 +119,7 @@ def places(motion: Motion, body: Body, hold: RecordedHold, friction: float) -> t
                 )
             )
     return tuple(
-        _place(hand, its, 0, before, -its.normals[0])
+        _place(hand, its, 0, before, np.zeros(3))
         for hand, its, before in zip(hold.hands, candidates, seen, strict=True)
     )
 
@@ -153,7 +153,7 @@ def _grasp(body: Body, thing: Thing, hand: Hand, turn: Array, wrist: Array, pose
         moved *= min(1.0, _ALONG / max(float(np.linalg.norm(moved)), 1e-9))
     normal = turn @ np.array([0.0, 1.0, 0.0])
     palm = wrist + turn @ hand.palm
-    return Place(hand, palm + moved, normal, -normal, turn, palm, turn, grasps=True)
+    return Place(hand, palm + moved, normal, np.zeros(3), turn, palm, turn, grasps=True)
 
 
 def fingers_known(motion: Motion, hand: Hand) -> bool:

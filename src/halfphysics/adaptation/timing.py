@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 #: A hand leaves its recorded way so long before it is near the thing, is on its shifted way so long
 #: before that, and is back on its recorded way so long after it left [s].
 COMES, BEFORE, GOES = 0.5, 0.1, 0.5
+#: A hand that waits near a thing goes to its shifted way no earlier than this before it closes [s].
+WAITS = 0.3
 #: It closes, and opens, in this time [s].
 CLOSES, OPENS = 0.3, 0.3
 #: It presses with full force this long before the thing moves, after a rise of as long [s].
@@ -60,7 +62,8 @@ class Timing:
         time = np.arange(frames) / fps
         touches = hold.first / fps - 2.0 * AHEAD
         if touches > 0.0:
-            comes = min(arrives / fps, touches - CLOSES)
+            closes = touches - CLOSES
+            comes = min(max(arrives / fps, closes - WAITS), closes)
             share = ease((time - (comes - COMES)) / (COMES - BEFORE))
             closed = ease((time - (touches - CLOSES)) / CLOSES)
             presses = ease((time - touches) / AHEAD)

@@ -28,6 +28,7 @@ from halfphysics.formats.datasets import (
     trumans_clip,
     trumans_release,
 )
+from halfphysics.formats.datasets.ground import add_ground
 from halfphysics.formats.format import Assets, Format, Options, Source
 from halfphysics.motion.motion import GENDERS, MODELS, Motion
 
@@ -110,6 +111,7 @@ def load_sequence(
     *,
     objects: str = "free",
     adapt: bool = True,
+    ground: bool = True,
     fps: float | None = None,
     up: str | None = None,
     hands: str | None = None,
@@ -130,6 +132,9 @@ def load_sequence(
         adapt: Where recorded hands hold a free object they are brought onto it and press
             (`halfphysics.adapt`; `Sequence.adaptations` has the motion as recorded). False: the
             motion stays as it is.
+        ground: Where the data set brings free objects and nothing that stands, they get a floor
+            named "ground", at the height of the lowest skin and of the lowest of the objects.
+            False: none, and all falls.
 
     Returns:
         A `Sequence`; for a format without objects, the motion with an empty scene.
@@ -147,15 +152,17 @@ def load_sequence(
     if format.load_sequence is None:
         return Sequence(format.load(source, options), Scene())
     sequence = format.load_sequence(source, options)
-    return _adapted(sequence, source.path) if adapt and objects == "free" else sequence
+    if objects != "free" or not sequence.recorded:
+        return sequence
+    if ground and not sequence.scene.statics:
+        add_ground(sequence, source.path)
+    return _adapted(sequence, source.path) if adapt else sequence
 
 
 def _adapted(sequence: Sequence, path: Path) -> Sequence:
     """The sequence with every person's hands at what they hold."""
     from halfphysics.adaptation.adapt import adapt
 
-    if not sequence.recorded:
-        return sequence
     found = tuple(
         adapt(motion, sequence.scene, body, sequence.recorded, settings=sequence.settings)
         for motion, body in zip(sequence.motions, sequence.bodies, strict=True)

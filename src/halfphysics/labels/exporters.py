@@ -63,7 +63,7 @@ def omomo(
 ) -> NDArray[np.bool_]:
     """Labels as in OMOMO: whether (T, 2) left and right hand are in contact with an object.
 
-    A hand is its joint at the root of the index finger, joints 22 and 23 of OMOMO's 24; it is in
+    A hand is its joint at the root of the middle finger, joints 22 and 23 of OMOMO's 24; it is in
     contact where that is at most `threshold` from the nearest of the object's vertices.
 
     Args:
@@ -76,7 +76,7 @@ def omomo(
 
     labels.check(person, item)
     owner = labels.result.people[person]
-    hands = [JOINT_INDEX["left_index1"], JOINT_INDEX["right_index1"]]
+    hands = [JOINT_INDEX["left_middle1"], JOINT_INDEX["right_middle1"]]
     joints = owner.body.joints(owner.motion)[:, hands]
     position, turn = _frames(labels, item)
     local = np.einsum("tij,thi->thj", turn, joints - position[:, None])

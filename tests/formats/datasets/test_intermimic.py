@@ -7,6 +7,7 @@ import functools
 import pickle
 import re
 import warnings
+from functools import partial
 
 import numpy as np
 import pytest
@@ -24,6 +25,9 @@ from support.files.dumps import Tensor, torch_saved
 from support.files.layouts import movement
 from support.files.model_files import write_npz
 from support.files.wrong_files import Boom, broken_bytes_are_refused, refused
+
+#: As the data set has it: tests of the floor that is added are in test_ground.py.
+load_sequence = partial(hp.load_sequence, ground=False)
 
 SINGLE = 2e-6  # metres, of positions in single precision
 SHAPE = 1e-6  # metres, of a skin whose shape was found by its joints in single precision
@@ -188,7 +192,7 @@ def test_the_body_has_the_recorded_bones(tmp_path, assets):
     array = rows(person_of_the_file)
     path = written(tmp_path / NAME, array)
     with told("recorded bones, stature 1.6"):
-        sequence = hp.load_sequence(path, assets)
+        sequence = load_sequence(path, assets)
     places = array[:, 162:318].reshape(len(array), -1, 3)
     found = sequence.body.joints(sequence.motion)[:, JOINTS]
     assert np.abs(found - places).max() < SINGLE
@@ -244,7 +248,7 @@ def test_object_and_body(tmp_path, assets):
     array = rows(body)
     path = written(tmp_path / NAME, array)
     with told("does not say whose shape", "weighs"):
-        sequence = hp.load_sequence(path, assets)
+        sequence = load_sequence(path, assets)
     assert abs(sequence.body.stature - body.stature) < 1e-3
     mesh = trimesh.load(assets / "objects" / "objects" / "largebox" / "largebox.obj")
     track = sequence.recorded["largebox"]
@@ -255,7 +259,7 @@ def test_object_and_body(tmp_path, assets):
         assert np.abs(placed - asked).max() < SINGLE
     assert np.array_equal(sequence.scene.objects["largebox"].position, track.position[0])
     with told():
-        replayed = hp.load_sequence(path, assets, objects="replayed")
+        replayed = load_sequence(path, assets, objects="replayed")
     assert np.array_equal(replayed.scene.objects["largebox"].positions, track.position)
 
 
@@ -266,7 +270,7 @@ def test_a_mesh_of_another_data_set_is_noticed(tmp_path, assets):
     mesh.export(file)
     path = written(tmp_path / NAME, rows(hp.Body.default()))
     with told("not centred"):
-        hp.load_sequence(path, assets)
+        load_sequence(path, assets)
 
 
 def test_written_as_it_came(tmp_path, models):
@@ -299,7 +303,7 @@ def test_any_motion_is_written(tmp_path, assets):
         motion = hp.Motion.load(path)
     motion.resample(60.0).save(path, body=body)  # the object along with the person
     with told("weighs"):
-        sequence = hp.load_sequence(path, assets)
+        sequence = load_sequence(path, assets)
     assert len(sequence.motion) == 9
     assert losses(motion, path) == []
     assert losses(hp.Motion(*movement(), 60.0, betas=[1.0], gender="male"), path) == [

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 import re
 import warnings
+from functools import partial
 
 import numpy as np
 import pytest
@@ -30,6 +31,9 @@ from support.files.wrong_files import (
     usual,
     without,
 )
+
+#: As the data set has it: tests of the floor that is added are in test_ground.py.
+load_sequence = partial(hp.load_sequence, ground=False)
 
 ROUNDING = 1e-12
 SINGLE = 1e-6
@@ -160,7 +164,7 @@ def test_objects(tmp_path, assets, name):
     path = written(tmp_path / "a.p", content)
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
-        sequence = hp.load_sequence(path, assets)
+        sequence = load_sequence(path, assets)
     lines = ["recorded bones", "what 'largebox' weighs"]
     if name == TWO:
         lines = ["recorded bones", "what 'mop' weighs", "what 'mop_bottom' weighs", "holds the two"]
@@ -184,7 +188,7 @@ def test_objects(tmp_path, assets, name):
         size = np.ptp(thing.mesh()[0], axis=0)
         assert np.abs(size - scale * np.ptp(vertices, axis=0)).max() < SINGLE
         assert np.array_equal(thing.position, track.position[0])
-    replayed = hp.load_sequence(path, assets, objects="replayed")
+    replayed = load_sequence(path, assets, objects="replayed")
     track = sequence.recorded[kind]
     assert np.array_equal(replayed.scene.objects[kind].positions, track.position)
 
@@ -195,7 +199,7 @@ def test_the_body_has_the_recorded_bones(tmp_path):
     del content["obj_trans"], content["obj_rot"], content["obj_scale"], content["obj_com_pos"]
     path = written(tmp_path / "a.p", content)
     with pytest.warns(hp.HalfPhysicsWarning, match=r"recorded bones: stature 1\.65 m"):
-        sequence = hp.load_sequence(path)
+        sequence = load_sequence(path)
     motion, body = sequence.motion, sequence.body
     places = world_joints(bones, motion)
     assert np.nanmax(np.abs(body.joints(motion) - places)) < FAR
@@ -206,7 +210,7 @@ def test_the_body_has_the_recorded_bones(tmp_path):
     default = hp.Body.default()
     assert np.nanmax(np.abs(default.joints(motion) - places)[:, 20:22]) > 0.02
     with pytest.warns(hp.HalfPhysicsWarning, match="recorded bones"):
-        part = hp.load_sequence(path, frames=(3, 8), gender="male", model="smplx")
+        part = load_sequence(path, frames=(3, 8), gender="male", model="smplx")
     assert np.array_equal(part.body.rest_vertices, body.rest_vertices)
 
 
@@ -230,7 +234,7 @@ def test_without_bones_the_default_body_is_taken(tmp_path, name):
     spoil(content)
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
-        sequence = hp.load_sequence(written(tmp_path / "a.p", content))
+        sequence = load_sequence(written(tmp_path / "a.p", content))
     (line,) = [str(w.message) for w in said]
     assert re.search(message, line), line
     assert "Body.default(), which is taken" in line
@@ -240,7 +244,7 @@ def test_without_bones_the_default_body_is_taken(tmp_path, name):
 def test_a_model_of_the_caller_is_left_alone(tmp_path):
     content = {k: v for k, v in fields().items() if not k.startswith("obj_")}
     model = write_npz(tmp_path / "SMPLX_MALE.npz", model_fields())
-    sequence = hp.load_sequence(written(tmp_path / "a.p", content), model=model)
+    sequence = load_sequence(written(tmp_path / "a.p", content), model=model)
     assert sequence.body is None  # and nothing is said
 
 
@@ -249,7 +253,7 @@ def test_bones_of_22_joints_and_no_pelvis(tmp_path):
     content["rest_offsets"] = content["rest_offsets"][:22]
     del content["trans2joint"]
     with pytest.warns(hp.HalfPhysicsWarning, match="recorded bones"):
-        body = hp.load_sequence(written(tmp_path / "a.p", content)).body
+        body = load_sequence(written(tmp_path / "a.p", content)).body
     offsets = body.rest_joints[1:22] - body.rest_joints[PARENTS[1:22]]
     assert np.abs(offsets - elsewhere()[1:22]).max() < ROUNDING
 
@@ -259,11 +263,11 @@ def test_a_size_that_varies_is_said(tmp_path, assets):
     content = fields()
     content["obj_scale"] = np.linspace(0.25, 0.252, 12)
     path = written(tmp_path / "a.p", content)
-    hp.load_sequence(path, assets, objects="replayed")  # without warnings of the size
+    load_sequence(path, assets, objects="replayed")  # without warnings of the size
     content["obj_scale"] = np.linspace(0.25, 0.26, 12)
     path = written(tmp_path / "b.p", content)
     with pytest.warns(hp.HalfPhysicsWarning, match="'obj_scale'.*size by 4 %; .* 0.25, is taken"):
-        sequence = hp.load_sequence(path, assets, objects="replayed")
+        sequence = load_sequence(path, assets, objects="replayed")
     # The object's middle is where the data set has it, frame by frame.
     mesh = trimesh.load(assets / "captured_objects" / "largebox_cleaned_simplified.obj")
     middle = mesh.bounds.mean(axis=0)
@@ -277,7 +281,7 @@ def test_a_size_that_varies_is_said(tmp_path, assets):
 @told
 def test_a_clip_without_an_object(tmp_path):
     content = {k: v for k, v in fields().items() if not k.startswith("obj_")}
-    sequence = hp.load_sequence(written(tmp_path / "a.p", content))
+    sequence = load_sequence(written(tmp_path / "a.p", content))
     assert not sequence.scene.objects
     assert len(sequence.motion) == 12
 
@@ -297,7 +301,7 @@ def test_written_as_it_came(tmp_path, assets):
             assert np.abs(again[1][key] - value).max() < ROUNDING, key
     # Between the frames too: the objects along with the person, and matrices stay rotations.
     motion.resample(60.0).save(tmp_path / "c.p")
-    back = hp.load_sequence(tmp_path / "c.p", assets, objects="replayed")
+    back = load_sequence(tmp_path / "c.p", assets, objects="replayed")
     assert len(back.recorded["mop_bottom"].position) == len(back.motion) == 23
 
 

@@ -24,8 +24,18 @@ Array = NDArray[np.float64]
 
 #: Density of household objects without a mass in the data set [kg/m^3].
 DENSITY = 400.0
+#: Larger ones are hollow: what is beyond this volume [m^3] has this density [kg/m^3]. A suitcase of
+#: 45 l weighs 7 kg, and not the 18 that nobody carries between two palms.
+SOLID, HOLLOW = 0.015, 40.0
+#: A thing that moves and turns by less than this [m, rad] within so long [s] rests.
+_STILL, _RESTS = (0.01, 0.05), 0.2
 # Tolerance of the entries of a rotation matrix in single precision.
 _TOLERANCE = 1e-3
+
+
+def assumed_mass(volume: float) -> float:
+    """What a household object of this volume [m^3] weighs, where nothing says so [kg]."""
+    return DENSITY * min(volume, SOLID) + HOLLOW * max(volume - SOLID, 0.0)
 
 
 @contextmanager
@@ -84,9 +94,10 @@ def add_recorded(
         scene.add_moving(name, mesh, places, turns, fps=fps, scale=scale, up="z")
         return track
     solid, _ = load_mesh(mesh, scale=scale, up="z")
-    mass = DENSITY * (solid.volume if solid.closed else solid.hull.volume)
+    mass = assumed_mass(solid.volume if solid.closed else solid.hull.volume)
     warn(
-        f"{where}: nothing says what {name!r} weighs: {mass:.3g} kg is taken, {DENSITY:g} kg/m^3. "
+        f"{where}: nothing says what {name!r} weighs: {mass:.3g} kg is taken, that is "
+        f"{DENSITY:g} kg/m^3 up to {1000.0 * SOLID:g} l and {HOLLOW:g} beyond. "
         "Scenes of your own say mass="
     )
     scene.add_object(
@@ -97,5 +108,15 @@ def add_recorded(
         quaternion=turns[0],
         scale=scale,
         up="z",
+        start="asleep" if rests(track, fps) else "awake",
     )
     return track
+
+
+def rests(track: ObjectTrack, fps: float) -> bool:
+    """Whether a recorded thing rests at first: what it stood on is often not in the data set."""
+    frames = slice(0, max(2, round(_RESTS * fps)))
+    moved = np.linalg.norm(track.position[frames] - track.position[0], axis=1).max()
+    turns = rot.multiply(rot.conjugate(track.quaternion[:1]), track.quaternion[frames])
+    turned = np.linalg.norm(rot.log(turns), axis=1).max()
+    return bool(moved < _STILL[0] and turned < _STILL[1])

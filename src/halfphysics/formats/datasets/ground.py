@@ -1,0 +1,54 @@
+"""A floor under people and things whose data set has none."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from halfphysics.base import rotations as rot
+from halfphysics.base.reader_warnings import warn
+from halfphysics.geometry.shapes import Plane
+
+if TYPE_CHECKING:
+    from halfphysics.simulation.sequence import Sequence
+
+#: Name of the floor in the scene.
+GROUND = "ground"
+#: Things that stay farther above the lowest skin than this were never on the floor [m].
+_NEAR = 0.1
+
+
+def add_ground(sequence: Sequence, path: Path) -> None:
+    """Add a floor to a sequence's scene, under the lowest skin and the lowest of its objects.
+
+    Args:
+        sequence: With recorded objects, in a scene without anything that stands.
+        path: The file, for the message.
+
+    Warns:
+        HalfPhysicsWarning: Where the floor is.
+    """
+    from halfphysics.body.body import Body
+
+    skins = [
+        (Body.default() if body is None else body).vertices(motion)[..., 2].min()
+        for motion, body in zip(sequence.motions, sequence.bodies, strict=True)
+    ]
+    height = float(min(skins))
+    for name, track in sequence.recorded.items():
+        item = sequence.scene.objects.get(name)
+        if item is None:
+            continue
+        shape = item.shape if item.visual is None else item.visual
+        corners = shape.triangles()[0]
+        down = rot.to_matrix(track.quaternion)[:, 2]  # world z of its own axes
+        low = float(np.min(track.position[:, 2] + (down @ corners.T).min(axis=1)))
+        if abs(low - height) < _NEAR:
+            height = min(height, low)
+    sequence.scene.add_static(GROUND, Plane(offset=height))
+    warn(
+        f"{path}: nothing says where the floor is: one named {GROUND!r} is put under the lowest "
+        f"skin and object, at {height:.3f} m; ground=False leaves it out"
+    )

@@ -14,6 +14,8 @@ from halfphysics.errors import FileError, InputError, MissingDependencyError
 
 #: Number of ports tried, from the requested one.
 TRIES = 50
+#: A stopped server's thread is waited for so long, at most [s].
+_ENDS = 10.0
 
 
 def open_server(host: str, port: int, *, label: str | None = None) -> Any:
@@ -51,6 +53,10 @@ def close_server(server: Any) -> None:
     """Stop a server without output."""
     with quiet():
         server.stop()
+        # viser waits a second for its thread, which prints as it ends: later on a busy machine.
+        thread = getattr(getattr(server, "_websock_server", None), "_server_thread", None)
+        if thread is not None:
+            thread.join(timeout=_ENDS)
 
 
 @contextlib.contextmanager

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
 from halfphysics.body.skinning import kinematics
+from halfphysics.motion.easing import ease
 from halfphysics.motion.motion import MODELS, Motion
 from halfphysics.motion.skeleton import JOINT_INDEX, N_JOINTS
 from halfphysics.scenarios.acting.legs import WORLD_FROM_REST, about, leg_of
-from halfphysics.scenarios.acting.walk_plan import ease
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body

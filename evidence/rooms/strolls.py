@@ -15,10 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.motion.easing import ease
 from halfphysics.motion.motion import Motion
 from halfphysics.scenarios.acting.acting import SIDES, Act
 from halfphysics.scenarios.acting.gait import walk
-from halfphysics.scenarios.acting.walk_plan import Walk, ease
+from halfphysics.scenarios.acting.walk_plan import Walk
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body

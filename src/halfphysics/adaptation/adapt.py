@@ -25,6 +25,8 @@ from halfphysics.adaptation.timing import Timing
 from halfphysics.base import rotations as rot
 from halfphysics.body.joint_ranges import JointRanges, from_swing_twist
 from halfphysics.errors import InputError
+from halfphysics.motion.joint_groups import JointValues
+from halfphysics.scene.material_pairs import PERSON
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -49,8 +51,6 @@ _SQUEEZE = 0.15
 _SMOOTH = 0.2
 #: Nothing is held where something is farther from the origin than this [m]: a damaged file.
 _FAR = 1e5
-#: Friction of people's skin (`halfphysics.scene.material_pairs`).
-_SKIN = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +144,7 @@ def adapt(
         if name not in scene.objects or far > _FAR:
             continue
         thing = Thing.of(scene.objects[name], track)
-        friction = min(_SKIN, thing.item.friction)
+        friction = scene.friction_of(PERSON, name)
         for hold in recorded_holds(motion, body, hands, thing):
             its = places(motion, body, hold, friction)
             force = _force(hold, its, friction, motion.fps, scene.gravity) if grip else 0.0
@@ -211,7 +211,7 @@ def _held(
     rotations = np.array(motion.rotations)
     rotations[np.ix_(pressing, np.array(hand.pressing))] = press.pressed(
         motion, body, hand, pressing, push,
-        stiffness=_stiffness(settings), time=settings.drive_time,
+        stiffness=_stiffness(settings, hand), time=settings.drive_time,
     )  # fmt: skip
     return motion.with_frames(motion.translation, rotations), away
 
@@ -290,7 +290,9 @@ def _closed(
     return motion.with_frames(motion.translation, rotations)
 
 
-def _stiffness(settings: Settings) -> float:
-    """lambda of an arm."""
+def _stiffness(settings: Settings, hand: Hand) -> float:
+    """lambda of an arm: that of its shoulder."""
     value = settings.stiffness
-    return float(value) if isinstance(value, (int, float)) else 1.0
+    if isinstance(value, JointValues):
+        return float(value.resolve(1.0)[hand.arm[0]])
+    return float(value)  # type: ignore[arg-type]

@@ -58,11 +58,6 @@ class Closed:
     presses: Array
     opened: Array | None
 
-    @property
-    def touches(self) -> bool:
-        """Does any finger touch?"""
-        return bool(self.presses.any())
-
 
 def closed(body: Body, thing: Thing, place: Place, start: Array, known: bool) -> Closed:
     """The fingers of a hand around a thing.

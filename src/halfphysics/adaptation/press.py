@@ -6,8 +6,8 @@ held where it is pulls towards its target xi away with
     (M + lambda diag(I)) xi = tau^2 J^T F
 
 M is the inertia of the arm about collar, shoulder and elbow with its hand stiff, J moves the wrist,
-F is the force that this balances. So the target of a hand that is to press with F is xi beyond, at
-the same rotation in the world: it lies flat on what it presses, and the pressure finds its centre.
+F is the force that this balances. So the target of a hand that is to press with F is xi beyond. Its
+rotation in the world stays, but for a turn of the fingers inwards: it lies flat on what it presses.
 """
 
 from __future__ import annotations

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from halfphysics.motion.skeleton import JOINT_INDEX, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
+from halfphysics.scene.material_pairs import PERSON
 
 if TYPE_CHECKING:
     from halfphysics.adaptation.adapt import Adaptation, AdaptedHold
@@ -57,13 +58,13 @@ def _one(result: Result, hold: AdaptedHold, part: str, person: int) -> HeldRepor
     own = (c.person == person) & np.isin(c.part, [JOINT_INDEX[part], *fingers])
     own &= (c.other == thing) & (c.frame >= hold.first) & (c.frame <= hold.last)
     impulse, normal = c.impulse[own], c.normal[own]
-    along = np.abs(np.einsum("ij,ij->i", impulse, normal))
+    along = np.einsum("ij,ij->i", impulse, normal)
     across = np.linalg.norm(impulse - np.einsum("i,ij->ij", along, normal), axis=1)
     frames = hold.last - hold.first + 1
     at = c.frame[own] - hold.first
     presses = np.bincount(at, along, minlength=frames) * result.fps
     rubs = np.bincount(at, across, minlength=frames) * result.fps
-    friction = min(1.0, result.scene.objects[hold.object].friction)
+    friction = result.scene.friction_of(PERSON, hold.object)
     touched = presses > 0.0
     margin = friction * presses[touched] / np.maximum(rubs[touched], 1e-9)
     return HeldReport(

@@ -43,10 +43,7 @@ class Thing:
     @cached_property
     def _triangles(self) -> tuple[Array, NDArray[np.int32]]:
         """Corners (V, 3) and faces (F, 3) of its surface as given, in its own frame."""
-        cut = self.item.decomposition is not None and self.item.visual is not None
-        shape = self.item.visual if cut else self.item.shape
-        assert shape is not None
-        return shape.triangles()
+        return self.item.true_shape.triangles()
 
     @cached_property
     def surface(self) -> MeshQuery:

@@ -1,10 +1,10 @@
 """When a hand comes, closes, presses, lets go and leaves: shares of the adaptation over time.
 
-comes      - 0.5 s to - 0.1 s before it is near: from its recorded way to that way, shifted
-closes     0.25 s until it touches: the palm comes to the surface, the fingers around it
-presses    0.1 s, full 0.1 s before the thing moves
-lets go    0.07 s after the hold, then the palm leaves the surface in 0.15 s
-leaves     within 0.4 s it is on its recorded way again
+comes      within 0.4 s, ending 0.1 s before it is near: from its recorded way to that, shifted
+closes     0.3 s, until 0.3 s before the thing moves: the palm onto the surface, fingers around
+presses    a rise of 0.15 s, in full 0.15 s before the thing moves
+lets go    within 0.1 s of the hold's end, then the palm leaves the surface in 0.3 s
+leaves     within 0.5 s it is on its recorded way again
 """
 
 from __future__ import annotations
@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+
+from halfphysics.motion.easing import ease
 
 if TYPE_CHECKING:
     from halfphysics.adaptation.recorded_holds import RecordedHold
@@ -79,10 +81,3 @@ class Timing:
             closed *= opens
             share *= 1.0 - ease((after - LETS_GO - 0.5 * OPENS) / GOES)
         return cls(share, fixed * share, closed, presses * share)
-
-
-def ease(x: Array) -> Array:
-    """0 below 0, 1 above 1, between them the way of least jerk."""
-    x = np.clip(x, 0.0, 1.0)
-    result: Array = x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
-    return result

@@ -17,17 +17,10 @@ from halfphysics.scene.scene import Scene
 
 if TYPE_CHECKING:
     from halfphysics.scene.articulated import Link
-    from halfphysics.scene.items import Object
 
 
 #: A shape, its positions (T or 1, 3) [m] and quaternions (T or 1, 4).
 Solid = tuple[Shape, Array, Array]
-
-
-def _true_shape(item: Object) -> Shape:
-    """The true shape of an object: the mesh as given if convex pieces replace it."""
-    cut = item.decomposition is not None
-    return item.visual if cut and item.visual is not None else item.shape
 
 
 def links_of(scene: Scene) -> dict[str, tuple[str, Link]]:
@@ -88,7 +81,7 @@ def solids_of(scene: Scene, tracks: Mapping[str, tuple[Array, Array]]) -> dict[s
         if scene.ignores(whole, PERSON):
             continue
         if link is None:
-            found[name] = [(_true_shape(scene.objects[name]), position, turn)]
+            found[name] = [(scene.objects[name].true_shape, position, turn)]
             continue
         found[name] = []
         for geom in link.geoms:

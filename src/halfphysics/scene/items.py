@@ -86,6 +86,12 @@ class Object:
         return self.shape.triangles() if len(self.pieces) == 1 else joined(self.pieces).triangles()
 
     @property
+    def true_shape(self) -> Shape:
+        """The shape as given: the mesh where convex pieces replace it, in the object's frame."""
+        cut = self.decomposition is not None
+        return self.visual if cut and self.visual is not None else self.shape
+
+    @property
     def filling(self) -> Shape:
         """The solid of uniform density from which mass, centre and inertia come."""
         given = self.visual

@@ -23,7 +23,6 @@ from halfphysics.scene.trajectories import KinematicObject
 
 if TYPE_CHECKING:
     from halfphysics.results.contacts import Contacts
-    from halfphysics.scene.items import Object
     from halfphysics.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -107,7 +106,7 @@ def surfaces_of(
             holds = resting[name]
             if not holds.any():
                 continue
-        found.append(_surface(scene, name, name, _true_shape(item), position, quaternion, holds))
+        found.append(_surface(scene, name, name, item.true_shape, position, quaternion, holds))
     for jointed in scene.articulated.values():
         for name, link in zip(jointed.link_names, jointed.links, strict=True):
             if not link.fixed or name not in tracks:
@@ -143,11 +142,6 @@ def _surface(
         friction=np.array(friction),
         holds=holds,
     )
-
-
-def _true_shape(item: Object) -> Shape:
-    cut = item.decomposition is not None
-    return item.visual if cut and item.visual is not None else item.shape
 
 
 def _poses(item: Any, track: Any) -> tuple[Array, Array]:

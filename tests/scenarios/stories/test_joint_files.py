@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
+from halfphysics.motion.easing import ease
 from halfphysics.motion.skeleton import RIGHT_HAND_JOINTS
 from halfphysics.scenarios.acting import arms, reaching
 from halfphysics.scenarios.acting.gait import pose_at
-from halfphysics.scenarios.acting.walk_plan import Walk, ease
+from halfphysics.scenarios.acting.walk_plan import Walk
 from halfphysics.scenarios.props import laptop, stage
 from halfphysics.scenarios.stories import close_laptop
 from support.as_it_is import as_it_is

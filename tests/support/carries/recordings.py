@@ -11,10 +11,11 @@ import trimesh
 from halfphysics.base import rotations as rot
 from halfphysics.geometry.mesh import Mesh
 from halfphysics.geometry.shapes import Box
+from halfphysics.motion.easing import ease
 from halfphysics.results.result import ObjectTrack
 from halfphysics.scenarios.acting.gait import walk
 from halfphysics.scenarios.acting.legs import about
-from halfphysics.scenarios.acting.walk_plan import Walk, ease
+from halfphysics.scenarios.acting.walk_plan import Walk
 from halfphysics.scenarios.props import stage
 from halfphysics.simulation.sequence import Sequence
 from support.carries.acting import Way, act, holds_of, parts_of, shoulders_of, wrist_bend

@@ -8,9 +8,10 @@ import numpy as np
 
 from halfphysics.base import rotations as rot
 from halfphysics.geometry.shapes import Box
+from halfphysics.motion.easing import ease
 from halfphysics.motion.motion import Motion
 from halfphysics.scenarios.acting.gait import walk
-from halfphysics.scenarios.acting.walk_plan import Walk, ease
+from halfphysics.scenarios.acting.walk_plan import Walk
 from halfphysics.scenarios.props import stage
 from support.rooms import SCALE
 

@@ -41,8 +41,7 @@ def add_ground(sequence: Sequence, path: Path) -> None:
         item = sequence.scene.objects.get(name)
         if item is None:
             continue
-        shape = item.shape if item.visual is None else item.visual
-        corners = shape.triangles()[0]
+        corners = item.true_shape.triangles()[0]
         down = rot.to_matrix(track.quaternion)[:, 2]  # world z of its own axes
         low = float(np.min(track.position[:, 2] + (down @ corners.T).min(axis=1)))
         if abs(low - height) < _NEAR:

@@ -15,11 +15,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base import rotations as rot
 from halfphysics.base.validation import frame_rate
+from halfphysics.motion.easing import ease
 from halfphysics.motion.motion import MODELS, Motion
 from halfphysics.motion.skeleton import JOINT_INDEX, N_JOINTS
 from halfphysics.scenarios.acting.arms import FOREARM
 from halfphysics.scenarios.acting.legs import REACH, WORLD_FROM_REST, about, leg_of
-from halfphysics.scenarios.acting.walk_plan import ease
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body

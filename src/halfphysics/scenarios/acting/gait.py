@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
+from halfphysics.motion.easing import ease
 from halfphysics.motion.motion import MODELS, Motion
 from halfphysics.motion.pose import Pose
 from halfphysics.scenarios.acting import posture
 from halfphysics.scenarios.acting.legs import WORLD_FROM_REST, Leg, about, leg_of, planted, solve
-from halfphysics.scenarios.acting.walk_plan import Walk, ease
+from halfphysics.scenarios.acting.walk_plan import Walk
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body

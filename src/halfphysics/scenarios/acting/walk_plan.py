@@ -12,18 +12,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.errors import InputError
+from halfphysics.motion.easing import ease
 
 Array = NDArray[np.float64]
 
 #: Step length over steps per second [m s].
 WALK_RATIO = 0.0064 * 60.0
-
-
-def ease(x: ArrayLike) -> Array:
-    """Ease from 0 at 0 to 1 at 1 by a polynomial with continuous acceleration."""
-    x = np.clip(np.asarray(x, dtype=np.float64), 0.0, 1.0)
-    result: Array = x * x * x * (10.0 + x * (6.0 * x - 15.0))
-    return result
 
 
 @dataclass(frozen=True, kw_only=True)

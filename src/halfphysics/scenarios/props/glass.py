@@ -17,13 +17,14 @@ from halfphysics.base import rotations as rot
 from halfphysics.base.validation import number
 from halfphysics.errors import HalfPhysicsWarning
 from halfphysics.geometry.shapes import Cylinder
+from halfphysics.motion.easing import ease
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.skeleton import RIGHT_HAND_JOINTS
 from halfphysics.scenarios.acting.arms import REACH, arm_of, solve
 from halfphysics.scenarios.acting.gait import walk
 from halfphysics.scenarios.acting.grip import grip
 from halfphysics.scenarios.acting.legs import about
-from halfphysics.scenarios.acting.walk_plan import Walk, ease
+from halfphysics.scenarios.acting.walk_plan import Walk
 from halfphysics.scenarios.props import stage
 from halfphysics.scenarios.props.vessels import Vessel
 

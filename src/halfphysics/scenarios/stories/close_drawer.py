@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from halfphysics.base.validation import number
+from halfphysics.motion.easing import ease
 from halfphysics.scenarios.acting import hands
 from halfphysics.scenarios.acting.acting import Act
-from halfphysics.scenarios.acting.walk_plan import ease
 from halfphysics.scenarios.props import chest, stage
 from halfphysics.simulation.sequence import Sequence
 

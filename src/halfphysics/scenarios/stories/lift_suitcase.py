@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
 from halfphysics.geometry.shapes import Box
+from halfphysics.motion.easing import ease
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES, N_JOINTS
 from halfphysics.scenarios.acting import arms
 from halfphysics.scenarios.acting.gait import walk
 from halfphysics.scenarios.acting.legs import about, leg_of
 from halfphysics.scenarios.acting.legs import solve as solve_leg
-from halfphysics.scenarios.acting.walk_plan import WALK_RATIO, Walk, ease
+from halfphysics.scenarios.acting.walk_plan import WALK_RATIO, Walk
 from halfphysics.scenarios.props import stage
 from halfphysics.simulation.sequence import Sequence
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.validation import number
+from halfphysics.motion.easing import ease
 from halfphysics.scenarios.acting import arms, hands, reaching
-from halfphysics.scenarios.acting.walk_plan import ease
 from halfphysics.scenarios.props import laptop, stage
 from halfphysics.simulation.sequence import Sequence
 

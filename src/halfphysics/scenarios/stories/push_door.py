@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
 from halfphysics.geometry.shapes import Box
+from halfphysics.motion.easing import ease
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS
 from halfphysics.scenarios.acting import arms
 from halfphysics.scenarios.acting.gait import walk
 from halfphysics.scenarios.acting.reaching import bent_between
-from halfphysics.scenarios.acting.walk_plan import Walk, ease
+from halfphysics.scenarios.acting.walk_plan import Walk
 from halfphysics.scenarios.props import stage
 from halfphysics.simulation.sequence import Sequence
 

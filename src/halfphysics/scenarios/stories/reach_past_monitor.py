@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
 from halfphysics.geometry.shapes import Box
+from halfphysics.motion.easing import ease
 from halfphysics.motion.skeleton import JOINT_INDEX
 from halfphysics.scenarios.acting import arms
 from halfphysics.scenarios.acting.gait import pose_at
 from halfphysics.scenarios.acting.legs import about
-from halfphysics.scenarios.acting.walk_plan import Walk, ease
+from halfphysics.scenarios.acting.walk_plan import Walk
 from halfphysics.scenarios.props import stage
 from halfphysics.simulation.sequence import Sequence
 

@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from halfphysics.base.validation import number
 from halfphysics.errors import InputError
+from halfphysics.motion.easing import ease
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.skeleton import JOINT_INDEX
 from halfphysics.scenarios.acting import arms, clasp, reaching
 from halfphysics.scenarios.acting.gait import walk
 from halfphysics.scenarios.acting.legs import about
-from halfphysics.scenarios.acting.walk_plan import Walk, ease
+from halfphysics.scenarios.acting.walk_plan import Walk
 from halfphysics.scenarios.props import stage
 from halfphysics.simulation.sequence import Sequence
 

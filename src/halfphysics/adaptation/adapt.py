@@ -9,7 +9,7 @@ own motion is never touched: friction lifts it, or does not.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,6 +26,7 @@ from halfphysics.base import rotations as rot
 from halfphysics.body.joint_ranges import JointRanges, from_swing_twist
 from halfphysics.errors import InputError
 from halfphysics.motion.joint_groups import JointValues
+from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.scene.material_pairs import PERSON
 
 if TYPE_CHECKING:
@@ -135,6 +136,7 @@ def adapt(
     settings = Settings() if settings is None else settings
     hands = [hand for side in SIDES if (hand := Hand.of(body, side)) is not None]
     out, holds = motion, []
+    firmer = np.ones((len(motion), N_JOINTS))
     for name, track in (recorded or {}).items():
         if len(track) != len(motion):
             raise InputError(
@@ -151,10 +153,16 @@ def adapt(
             moved = []
             for place, arrives in zip(its, hold.arrives, strict=True):
                 squeeze = _SQUEEZE if grip else 0.0
-                out, away = _held(out, body, hold, place, arrives, force, squeeze, settings)
+                timing = Timing.of(hold, arrives, len(motion), motion.fps)
+                out, away = _held(out, body, hold, place, timing, force, squeeze, settings)
                 moved.append(away)
+                if grip:
+                    firmer = np.maximum(firmer, press.firmer(place.hand, timing.presses))
             parts = tuple(f"{place.hand.side}_wrist" for place in its)
             holds.append(AdaptedHold(name, parts, hold.first, hold.last, force, tuple(moved)))
+    if (firmer > 1.0).any():
+        usual = 1.0 if motion.stiffness_scale is None else motion.stiffness_scale
+        out = replace(out, stiffness_scale=usual * firmer)
     return Adaptation(out, motion, tuple(sorted(holds, key=lambda h: h.first)))
 
 
@@ -189,14 +197,13 @@ def _held(
     body: Body,
     hold: RecordedHold,
     place: Place,
-    arrives: int,
+    timing: Timing,
     force: float,
     squeeze: float,
     settings: Settings,
 ) -> tuple[Motion, float]:
     """The motion with one hand at its place on the thing; how far its palm was moved [m]."""
     hand = place.hand
-    timing = Timing.of(hold, arrives, len(motion), motion.fps)
     frames = np.flatnonzero(timing.share > 0.0)
     turn, wrist, away = _reached(motion, body, hold, place, timing, frames)
     rotations = np.array(motion.rotations)

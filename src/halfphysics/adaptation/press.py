@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from halfphysics.adaptation.arm_pose import chain, jacobians
 from halfphysics.base import rotations as rot
-from halfphysics.motion.skeleton import PARENTS
+from halfphysics.motion.skeleton import N_JOINTS, PARENTS
 
 if TYPE_CHECKING:
     from halfphysics.adaptation.hands import Hand
@@ -32,7 +32,10 @@ Array = NDArray[np.float64]
 #: A hand that presses turns its fingers inwards by this [rad]: they bear, too, and what is held
 #: does not turn between two heels of hands. 0.2 let a suitcase of 6 kg swing by 18 degrees, 0.5
 #: needs no less force and moves the targets of the fingers farther.
-_CURL = 0.35
+import os
+_CURL = float(os.environ.get("CURL","0.15"))
+#: An arm that holds something is so much firmer than by the settings, and its wrist.
+_ARM, _WRIST = float(os.environ.get("ARM","10")), float(os.environ.get("WRIST","30"))
 
 
 def pressed(
@@ -71,7 +74,7 @@ def pressed(
     matrix = _inertia(body, hand, turns, places, positions, quaternions)
     mean = np.diagonal(matrix, axis1=1, axis2=2).reshape(len(matrix), -1, 3).mean(axis=2)
     at = np.arange(matrix.shape[1])
-    matrix[:, at, at] += stiffness * np.repeat(mean, 3, axis=1)
+    matrix[:, at, at] += _ARM * stiffness * np.repeat(mean, 3, axis=1)
     share = np.linalg.norm(force, axis=1) / max(float(np.linalg.norm(force, axis=1).max()), 1e-9)
     pull = np.einsum("nij,ni->nj", jacobians(turns[:-1], places[:-1], places[-1])[:, :3], force)
     beyond = time**2 * np.linalg.solve(matrix, pull[..., None])[..., 0]
@@ -83,6 +86,15 @@ def pressed(
     flat = rot.rotvec_to_matrix(_CURL * share[:, None] * way / np.maximum(size, 1e-9)) @ turns[-1]
     local[-1] = local[-1] @ np.swapaxes(after[-1], 1, 2) @ flat
     return np.stack([rot.matrix_to_rotvec(m) for m in local], axis=1)
+
+
+def firmer(hand: Hand, presses: Array) -> Array:
+    """How much firmer a hand that holds makes all joints (T, 55), by shares of its force (T,)."""
+    out = np.ones((len(presses), N_JOINTS))
+    *arm, wrist = hand.pressing
+    out[:, arm] += (_ARM - 1.0) * presses[:, None]
+    out[:, wrist] += (_WRIST - 1.0) * presses
+    return out
 
 
 def _inertia(

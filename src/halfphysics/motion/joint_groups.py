@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,9 @@ from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import number, shown
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES, LEFT_HAND_JOINTS, N_JOINTS
+
+if TYPE_CHECKING:
+    from halfphysics.motion.motion import Motion
 
 Array = NDArray[np.float64]
 
@@ -191,6 +194,15 @@ def stiffness_over_time(value: Any, frames: int, people: int) -> Array | None:
         out[:, person] = checked if wide else checked[:, None]
     out[:, :, 0] = 0.0
     return out
+
+
+def stiffness_of_motions(usual: Array, motions: Sequence[Motion]) -> Array | None:
+    """Firmness (T, people, 55) of motions that scale the usual one (55,); None: none does."""
+    if all(motion.stiffness_scale is None for motion in motions):
+        return None
+    scales = [1.0 if (its := m.stiffness_scale) is None else its for m in motions]
+    rows = [np.broadcast_to(usual * scale, (len(motions[0]), N_JOINTS)) for scale in scales]
+    return np.stack(rows, axis=1)
 
 
 def _constant(value: Any) -> bool:

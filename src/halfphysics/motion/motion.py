@@ -15,8 +15,9 @@ from halfphysics.base.axes import axes_of, turned
 from halfphysics.base.validation import frame_rate, number
 from halfphysics.errors import InputError
 from halfphysics.motion.file_metadata import FileMetadata
-from halfphysics.motion.pose import Pose, checked, checked_axes, flat_rotations
-from halfphysics.motion.resampling import interpolated, sample_positions
+from halfphysics.motion.pose import Pose, checked, checked_axes, checked_scale, flat_rotations
+from halfphysics.motion.resampling import interpolated, neighbours, sample_positions
+from halfphysics.motion.skeleton import N_JOINTS
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -49,6 +50,9 @@ class Motion:
         model: "smplx", "smplh" or "smpl": the model that `betas` belong to.
         axes: World from file axes, shape (3, 3); None: the identity.
         origin: Further data of the file (set by loaders, used by writers).
+        stiffness_scale: How much firmer than `Settings.stiffness` the person holds each joint on
+            the way to each frame, as a factor (T, 55): arms that carry are tensed
+            (`halfphysics.adapt`). None: 1 everywhere.
 
     Raises:
         InputError: A wrong shape, NaN, fewer than two frames, an fps that is not positive, a
@@ -63,6 +67,7 @@ class Motion:
     model: str = "smplx"
     axes: Array = field(default_factory=lambda: np.eye(3), repr=False)
     origin: FileMetadata | None = field(default=None, repr=False)
+    stiffness_scale: Array | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         translation = checked("translation", self.translation, (None, 3), "(T, 3)")
@@ -97,6 +102,10 @@ class Motion:
             ("axes", checked_axes(self.axes)),
         ):
             object.__setattr__(self, name, value)
+        if self.stiffness_scale is not None:
+            expected = f"({frames}, {N_JOINTS})"
+            scale = checked_scale(self.stiffness_scale, (frames, N_JOINTS), expected)
+            object.__setattr__(self, "stiffness_scale", scale)
 
     def __repr__(self) -> str:
         shape = "no betas" if self.betas is None else f"{len(self.betas)} betas"
@@ -129,11 +138,14 @@ class Motion:
         if isinstance(index, slice):
             step = 1 if index.step is None else abs(int(index.step))
             metadata = None if self.origin is None else self.origin.taken(index)
+            scale = None if self.stiffness_scale is None else self.stiffness_scale[index]
             return self._replaced(
-                self.translation[index], self.rotations[index], self.fps / max(step, 1), metadata
+                *(self.translation[index], self.rotations[index]),
+                *(self.fps / max(step, 1), metadata, scale),
             )
         try:
-            return Pose(self.translation[index], self.rotations[index], self.axes)
+            scale = None if self.stiffness_scale is None else self.stiffness_scale[index]
+            return Pose(self.translation[index], self.rotations[index], self.axes, scale)
         except IndexError:
             raise IndexError(f"frame {index} of a motion with {len(self)} frames") from None
 
@@ -145,6 +157,7 @@ class Motion:
         rotations: ArrayLike,
         fps: float,
         metadata: FileMetadata | None,
+        stiffness_scale: Array | None,
     ) -> Motion:
         return Motion(
             np.asarray(translation, dtype=np.float64),
@@ -155,6 +168,7 @@ class Motion:
             model=self.model,
             axes=self.axes,
             origin=metadata,
+            stiffness_scale=stiffness_scale,
         )
 
     def with_frames(
@@ -162,13 +176,16 @@ class Motion:
     ) -> Motion:
         """The same person and file conventions with other frames (world frame, as in `Motion`).
 
-        Extra per-frame data of the file is kept while the number of frames and fps stay.
+        Extra per-frame data, of the file and `stiffness_scale`, is kept while the number of frames
+        and fps stay.
         """
         fps = self.fps if fps is None else fps
-        metadata = self.origin
-        if metadata is not None and (len(np.asarray(translation)) != len(self) or fps != self.fps):
-            metadata = FileMetadata(format=metadata.format, fields=metadata.fields)
-        return self._replaced(translation, rotations, fps, metadata)
+        metadata, scale = self.origin, self.stiffness_scale
+        if len(np.asarray(translation)) != len(self) or fps != self.fps:
+            scale = None
+            if metadata is not None:
+                metadata = FileMetadata(format=metadata.format, fields=metadata.fields)
+        return self._replaced(translation, rotations, fps, metadata, scale)
 
     def resample(self, fps: float) -> Motion:
         """The motion at another frame rate: SLERP of rotations, linear translation.
@@ -184,7 +201,11 @@ class Motion:
         position = sample_positions(len(self), self.fps, fps)
         translation, rotations = interpolated(self.translation, self.rotations, position)
         metadata = None if self.origin is None else self.origin.sampled(position)
-        return self._replaced(translation, rotations, fps, metadata)
+        scale = self.stiffness_scale
+        if scale is not None:
+            low, high, weight = neighbours(position)
+            scale = scale[low] + weight[:, None] * (scale[high] - scale[low])
+        return self._replaced(translation, rotations, fps, metadata, scale)
 
     def grounded(self, body: Body, z: float = 0.0, *, percentile: float = 0.0) -> Motion:
         """The motion moved along z so that its lowest skin vertex touches height `z` [m].

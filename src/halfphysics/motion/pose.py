@@ -68,6 +68,17 @@ def flat_rotations(rotations: ArrayLike, leading: int) -> ArrayLike:
     return array
 
 
+def checked_scale(scale: ArrayLike, shape: tuple[int | None, ...], expected: str) -> Array:
+    """Read-only factors on stiffness, refused unless of `shape` and at least 0."""
+    array = checked("stiffness_scale", scale, shape, expected)
+    if (array < 0.0).any():
+        where = tuple(int(i) for i in np.argwhere(array < 0.0)[0])
+        raise InputError(
+            f"stiffness_scale: found {array[where]:g} at index {where}, expected numbers >= 0"
+        )
+    return array
+
+
 @dataclass(frozen=True, eq=False)
 class Pose:
     """One frame: the position of the body and the rotations of its joints.
@@ -77,6 +88,7 @@ class Pose:
         rotations: Axis-angle [rad] of the 55 joints in their parents' frames (the pelvis in
             the world), shape (55, 3) or (165,).
         axes: World from file axes, shape (3, 3): the pelvis is at ``axes @ J0 + translation``.
+        stiffness_scale: As of `Motion`, of the way to this frame (55,).
 
     Raises:
         InputError: A wrong shape, NaN or infinity, or `axes` that are no rotation.
@@ -85,6 +97,7 @@ class Pose:
     translation: Array
     rotations: Array
     axes: Array = field(default_factory=lambda: np.eye(3), repr=False)
+    stiffness_scale: Array | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         rotations = flat_rotations(self.rotations, 0)
@@ -94,11 +107,15 @@ class Pose:
             ("axes", checked_axes(self.axes)),
         ):
             object.__setattr__(self, name, value)
+        if self.stiffness_scale is not None:
+            scale = checked_scale(self.stiffness_scale, (skeleton.N_JOINTS,), "(55,)")
+            object.__setattr__(self, "stiffness_scale", scale)
 
     @classmethod
     def trusted(cls, translation: Array, rotations: Array, axes: Array) -> Pose:
         """A pose of float64 arrays of our own making: they are taken over, not checked."""
         pose = object.__new__(cls)
+        object.__setattr__(pose, "stiffness_scale", None)
         for name, array in (("translation", translation), ("rotations", rotations), ("axes", axes)):
             array.setflags(write=False)
             object.__setattr__(pose, name, array)

@@ -180,11 +180,16 @@ class Control:
         if not self._started:
             raise InputError("step: the person has no pose yet; call reset(pose) first")
         count, h = self._steps(dt), float(self._model.opt.timestep)
-        self._checked(pose)
+        usual, scale = None, self._checked(pose).stiffness_scale
+        if scale is not None:
+            usual = np.array(self._stepper.stiffness())
+            self._stepper.set_stiffness(usual * scale[self._person.balls])
         self._stepper.begin_hosted(self._coordinates(pose), count * h)
         for k in range(count):
             self._substep(k, h)
         self._stepper.end_hosted()
+        if usual is not None:
+            self._stepper.set_stiffness(usual)
         self._write_person()
 
     def set_stiffness(self, value: float | Mapping[str, float] | Array) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from halfphysics.motion.joint_groups import stiffness_over_time
+from halfphysics.motion.joint_groups import stiffness_of_motions, stiffness_over_time
 from halfphysics.simulation.argument_checks import (
     checked_people,
     checked_scene,
@@ -53,7 +53,7 @@ def simulate(
         stiffness: Firmness instead of `Settings.stiffness`, for all people or in a list one a
             person: a number or numbers by joint group, or over time (T,) for all joints or
             (T, 55). Row t is that of the way to frame t, as if `Simulator.set_stiffness` were
-            called before that step.
+            called before that step. None: `Settings.stiffness`, times `Motion.stiffness_scale`.
         allow_mismatch: Accept a body of another gender or model than the motion says.
         progress: Show a progress bar on stderr where it is a terminal.
 
@@ -86,13 +86,15 @@ def follow(
     Args:
         world: People and scene; nothing is held.
         motions: One per person, of one length and frame rate.
-        stiffness: Firmness (T, people, 55) of every frame; None: by the settings.
+        stiffness: Firmness (T, people, 55) of every frame; None: by the settings and motions.
         progress: As of `simulate`.
     """
     with progress_bar(len(motions[0]) - 1, progress) as bar:
         other_engine = world.settings.drive.follow  # a baseline that another engine runs
         if other_engine is not None:
             return cast("Result", other_engine(world, motions, stiffness, bar.update))
+        if stiffness is None:
+            stiffness = stiffness_of_motions(world.stiffness, motions)
         world.reset([motion[0] for motion in motions])
         warn_of_start(world, motions, world.stepper.inside())
         run = record(world, motions, stiffness, bar.update)

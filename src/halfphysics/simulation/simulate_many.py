@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from halfphysics.base.machine import cores
 from halfphysics.base.validation import is_whole, shown
 from halfphysics.errors import HalfPhysicsError, InputError
-from halfphysics.motion.joint_groups import stiffness_over_time
+from halfphysics.motion.joint_groups import stiffness_of_motions, stiffness_over_time
 from halfphysics.simulation.argument_checks import checked_people, checked_scene, checked_settings
 from halfphysics.simulation.build_world import build_world
 from halfphysics.simulation.jobs import Job, jobs_of
@@ -196,6 +196,8 @@ class _Run:
         if world.settings.drive.follow is not None:  # a baseline that another engine runs
             self.results[i] = follow(world, motions, firmness)
             return
+        if firmness is None:
+            firmness = stiffness_of_motions(world.stiffness, motions)
         usual, dt = np.tile(world.stiffness, (len(motions), 1)), 1.0 / motions[0].fps
         ready = _Ready(
             world=world,

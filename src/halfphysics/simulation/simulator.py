@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -92,7 +93,23 @@ class Simulator:
         if not self._started:
             raise InputError("step: the simulator has no pose yet; call reset(pose) first")
         dt = self.dt if dt is None else _positive("dt", dt)
-        return self._frame(self._move(self.world.targets(poses), dt), poses)
+        with self._tensed(poses):
+            substeps = self._move(self.world.targets(poses), dt)
+        return self._frame(substeps, poses)
+
+    @contextmanager
+    def _tensed(self, poses: list[Pose]) -> Iterator[None]:
+        """Within it, joints are as firm as `Pose.stiffness_scale` of the poses says."""
+        scales = [1.0 if (its := pose.stiffness_scale) is None else its for pose in poses]
+        if all(pose.stiffness_scale is None for pose in poses):
+            yield
+            return
+        rows = [row * scale for row, scale in zip(self._firmness, scales, strict=True)]
+        self.world.stepper.set_stiffness(self.world.stiffness_to_core(np.stack(rows)))
+        try:
+            yield
+        finally:
+            self.world.stepper.set_stiffness(self.world.stiffness_to_core(self._firmness))
 
     def _move(self, targets: Array, dt: float) -> Array:
         """One frame of the core; what `Settings.record` asks to keep of it (., nq)."""

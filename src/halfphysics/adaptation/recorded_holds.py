@@ -54,6 +54,7 @@ class RecordedHold:
         first: Frame in which it begins to move.
         last: Last frame in which it is held.
         arrives: Per hand, the first frame in which it is at the thing.
+        rests: Last frame in which it moves.
         kept: The recording ends with the thing in the hands.
     """
 
@@ -62,6 +63,7 @@ class RecordedHold:
     first: int
     last: int
     arrives: tuple[int, ...]
+    rests: int
     kept: bool
 
     @property
@@ -106,6 +108,7 @@ def recorded_holds(
                 first=first,
                 last=end,
                 arrives=tuple(arrives),
+                rests=last,
                 kept=end == len(motion) - 1,
             )
         )

@@ -22,17 +22,24 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: A hand leaves its recorded way so long before it is near the thing, is on its shifted way so long
-#: before that, and is back on its recorded way so long after it left [s].
-COMES, BEFORE, GOES = 0.5, 0.1, 0.5
-#: A hand that waits near a thing goes to its shifted way no earlier than this before it closes [s].
-WAITS = 0.3
-#: It closes, and opens, in this time [s].
-CLOSES, OPENS = 0.3, 0.3
-#: It presses with full force this long before the thing moves, after a rise of as long [s].
-AHEAD = 0.15
-#: It lets go within this time [s].
-LETS_GO = 0.1
+import os
+E = lambda n, d: float(os.environ.get(n, d))
+#: The palm is at the surface so long before the thing moves [s]: slow starts are seen late.
+TOUCHES = 0.3
+#: It comes onto the surface, and fingers close, within this time until then [s].
+CLOSES = E("T_CLOSES", 0.4)
+#: A hand goes from its recorded way to the shifted one within this time [s], and is there when it is
+#: near the thing, but not earlier or later than this before it touches [s].
+COMES, EARLY, LATE = E("T_COMES", 0.6), E("T_EARLY", 0.3), 0.2
+#: It presses in full so long before the thing moves, after a rise of this time [s].
+AHEAD, RISES = 0.15, E("T_RISES", 0.4)
+#: Its force falls within this time until it lets go, from when the thing rests; within the second,
+#: around that moment, where it does not rest [s].
+FALLS, THROWS = E("T_FALLS", 0.3), 0.1
+#: Palm and fingers leave the surface from this before they let go on, within the second [s].
+OPENS, OPENING = E("T_OPENS", 0.05), E("T_OPENING", 0.4)
+#: A hand is back on its recorded way within the second, from the first after it let go on [s].
+LEAVES, GOES = 0.1, E("T_GOES", 0.8)
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,22 +69,23 @@ class Timing:
             fps: Frame rate [1/s].
         """
         time = np.arange(frames) / fps
-        touches = hold.first / fps - 2.0 * AHEAD
+        touches = hold.first / fps - TOUCHES
         if touches > 0.0:
-            closes = touches - CLOSES
-            comes = min(max(arrives / fps, closes - WAITS), closes)
-            share = ease((time - (comes - COMES)) / (COMES - BEFORE))
+            comes = min(max(arrives / fps, touches - EARLY), touches - LATE)
+            share = ease((time - (comes - COMES)) / COMES)
             closed = ease((time - (touches - CLOSES)) / CLOSES)
-            presses = ease((time - touches) / AHEAD)
+            presses = ease((time - (hold.first / fps - AHEAD - RISES)) / RISES)
         else:  # held from the start
             share, closed = np.ones(frames), np.ones(frames)
             presses = ease(time / max(hold.first / fps, AHEAD))
         fixed = closed.copy()
         if not hold.kept:
             after = time - hold.last / fps
-            presses *= 1.0 - ease(after / LETS_GO)
-            opens = 1.0 - ease((after - LETS_GO) / OPENS)
+            rests = (hold.rests - hold.last) / fps
+            falls, late = (FALLS, 0.0) if rests < -THROWS else (THROWS, 0.5 * THROWS)
+            presses *= 1.0 - ease((after - late) / falls + 1.0)
+            opens = 1.0 - ease((after + OPENS) / OPENING)
             fixed *= opens
             closed *= opens
-            share *= 1.0 - ease((after - LETS_GO - 0.5 * OPENS) / GOES)
+            share *= 1.0 - ease((after - LEAVES) / GOES)
         return cls(share, fixed * share, closed, presses * share)

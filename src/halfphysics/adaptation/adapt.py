@@ -47,7 +47,8 @@ _MARGIN, _LEAST_FORCE, _MOST_FORCE = 2.0, 25.0, 150.0
 #: Radius at which a flat hand's friction holds against turning [m].
 _PALM = 0.05
 #: Fingers that hold a thing alone flex by this beyond where they touch [rad].
-_SQUEEZE = 0.15
+import os
+_SQUEEZE = float(os.environ.get("SQ","0.15"))
 #: Accelerations of the recorded thing are taken over this time [s]: sensors shake.
 _SMOOTH = 0.2
 #: Nothing is held where something is farther from the origin than this [m]: a damaged file.

@@ -94,6 +94,7 @@ def firmer(hand: Hand, presses: Array) -> Array:
     *arm, wrist = hand.pressing
     out[:, arm] += (_ARM - 1.0) * presses[:, None]
     out[:, wrist] += (_WRIST - 1.0) * presses
+    out[:, list(hand.fingers)] += (float(os.environ.get("FING", "1")) - 1.0) * presses[:, None]
     return out
 
 

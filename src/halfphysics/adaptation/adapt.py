@@ -38,8 +38,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: A palm comes to the surface from so far [m].
-_OPEN = 0.03
+#: A palm comes to the surface from so far and leaves to there, and one whose fingers grasp [m].
+_OPEN, _GRASP_OPEN = 0.03, 0.01
 #: Palms touch at this distance from the surface [m]: contact keeps so much clear.
 _CLEARANCE = 0.001
 #: Forces against what friction needs, at least and at most [N].
@@ -47,8 +47,7 @@ _MARGIN, _LEAST_FORCE, _MOST_FORCE = 2.0, 25.0, 150.0
 #: Radius at which a flat hand's friction holds against turning [m].
 _PALM = 0.05
 #: Fingers that hold a thing alone flex by this beyond where they touch [rad].
-import os
-_SQUEEZE = float(os.environ.get("SQ","0.15"))
+_SQUEEZE = 0.1
 #: Accelerations of the recorded thing are taken over this time [s]: sensors shake.
 _SMOOTH = 0.2
 #: Nothing is held where something is farther from the origin than this [m]: a damaged file.
@@ -154,7 +153,11 @@ def adapt(
             moved = []
             for place, arrives in zip(its, hold.arrives, strict=True):
                 squeeze = _SQUEEZE if grip else 0.0
-                timing = Timing.of(hold, arrives, len(motion), motion.fps)
+                timing = Timing.of(
+                    *(hold, arrives, len(motion), motion.fps),
+                    grasps=place.grasps,
+                    unseen=not fingers_known(motion, place.hand),
+                )
                 out, away = _held(out, body, hold, place, timing, force, squeeze, settings)
                 moved.append(away)
                 if grip:
@@ -252,8 +255,8 @@ def _reached(
     seen_turn = np.swapaxes(world, 1, 2) @ turn
     held = timing.fixed[frames, None]
     to = seen + place.point - place.seen
-    # A palm comes along the surface's normal; around a thing that is grasped, fingers close.
-    apart = 0.0 if place.grasps else _OPEN * (1.0 - timing.closed[frames, None])
+    opening = _GRASP_OPEN if place.grasps else _OPEN
+    apart = opening * (1.0 - timing.closed[frames, None])
     to = to + held * (place.point - to) + (_CLEARANCE + apart) * place.normal
     shifted = place.turn @ place.seen_turn.T @ seen_turn
     rest = rot.matrix_to_rotvec(place.turn @ np.swapaxes(shifted, 1, 2))

@@ -89,6 +89,9 @@ def closed(body: Body, thing: Thing, place: Place, start: Array, known: bool) ->
     own = np.array(place.hand.fingers)
     opened = angles[own].copy()
     opened[:, _FLEXION] -= _BACK
+    if place.grasps:
+        at = np.flatnonzero(np.isin(own, thumb))
+        opened[at, _FLEXION] -= 0.5
     return Closed(own, angles[own], presses[own], None if known else opened)
 
 

@@ -34,8 +34,9 @@ Array = NDArray[np.float64]
 #: needs no less force and moves the targets of the fingers farther.
 import os
 _CURL = float(os.environ.get("CURL","0.15"))
-#: An arm that holds something is so much firmer than by the settings, and its wrist.
-_ARM, _WRIST = float(os.environ.get("ARM","10")), float(os.environ.get("WRIST","30"))
+#: A hand that holds something makes collar, shoulder and elbow so much firmer than by the settings,
+#: its wrist, and its fingers.
+_ARM, _WRIST, _FINGERS = float(os.environ.get("ARM","10")), float(os.environ.get("WRIST","30")), 3.0
 
 
 def pressed(
@@ -94,7 +95,7 @@ def firmer(hand: Hand, presses: Array) -> Array:
     *arm, wrist = hand.pressing
     out[:, arm] += (_ARM - 1.0) * presses[:, None]
     out[:, wrist] += (_WRIST - 1.0) * presses
-    out[:, list(hand.fingers)] += (float(os.environ.get("FING", "1")) - 1.0) * presses[:, None]
+    out[:, list(hand.fingers)] += (_FINGERS - 1.0) * presses[:, None]
     return out
 
 

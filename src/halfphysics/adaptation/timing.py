@@ -38,6 +38,11 @@ AHEAD, RISES = 0.15, E("T_RISES", 0.4)
 FALLS, THROWS = E("T_FALLS", 0.3), 0.1
 #: Palm and fingers leave the surface from this before they let go on, within the second [s].
 OPENS, OPENING = E("T_OPENS", 0.05), E("T_OPENING", 0.4)
+#: The same of fingers that grasp: they have farther to go.
+GRASP_OPENS, GRASP_OPENING = E("G_OPENS", 0.15), E("G_OPENING", 0.4)
+#: A grasp whose fingers were not recorded lets go so long after the thing rests [s], if the hand has
+#: not left it before: nobody recorded that its fingers opened.
+UNSEEN = 0.4
 #: A hand is back on its recorded way within the second, from the first after it let go on [s].
 LEAVES, GOES = 0.1, E("T_GOES", 0.8)
 
@@ -59,7 +64,16 @@ class Timing:
     presses: Array
 
     @classmethod
-    def of(cls, hold: RecordedHold, arrives: int, frames: int, fps: float) -> Timing:
+    def of(
+        cls,
+        hold: RecordedHold,
+        arrives: int,
+        frames: int,
+        fps: float,
+        *,
+        grasps: bool = False,
+        unseen: bool = False,
+    ) -> Timing:
         """The timing of one hand of a hold.
 
         Args:
@@ -67,6 +81,8 @@ class Timing:
             arrives: The frame from which on the hand is near the thing.
             frames: T, of the motion.
             fps: Frame rate [1/s].
+            grasps: Its fingers hold the thing.
+            unseen: Its fingers were not recorded.
         """
         time = np.arange(frames) / fps
         touches = hold.first / fps - TOUCHES
@@ -80,11 +96,14 @@ class Timing:
             presses = ease(time / max(hold.first / fps, AHEAD))
         fixed = closed.copy()
         if not hold.kept:
-            after = time - hold.last / fps
-            rests = (hold.rests - hold.last) / fps
-            falls, late = (FALLS, 0.0) if rests < -THROWS else (THROWS, 0.5 * THROWS)
+            last, rests = hold.last / fps, hold.rests / fps
+            if grasps and unseen:
+                last = min(last, rests + UNSEEN)
+            after = time - last
+            falls, late = (FALLS, 0.0) if rests < last - THROWS else (THROWS, 0.5 * THROWS)
             presses *= 1.0 - ease((after - late) / falls + 1.0)
-            opens = 1.0 - ease((after + OPENS) / OPENING)
+            ahead, lasts = (GRASP_OPENS, GRASP_OPENING) if grasps else (OPENS, OPENING)
+            opens = 1.0 - ease((after + ahead) / lasts)
             fixed *= opens
             closed *= opens
             share *= 1.0 - ease((after - LEAVES) / GOES)

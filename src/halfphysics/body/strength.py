@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-_FINGERS = ("index", "middle", "ring", "pinky", "thumb")
+_FINGERS = ("index", "middle", "ring", "pinky")
 _STANDARD_GRAVITY = 9.80665
 #: Force of the ground on a standing person beyond the own weight, in body weights: an isometric
 #: mid-thigh pull reaches about 2.5 body weights on the ground (Comfort et al. 2019, Strength
@@ -60,6 +60,13 @@ HUMAN: JointValues = JointValues(
             for side in ("left", "right")
             for finger in _FINGERS
             for k, torque in ((1, 0.8), (2, 0.4), (3, 0.2))
+        },
+        # A thumb bears what four fingers press against it with; half of a tip pinch of 50 to 80 N
+        # (Mathiowetz et al. 1985, Arch Phys Med Rehabil 66) at the lengths of its bones.
+        **{
+            f"{side}_thumb{k}": torque
+            for side in ("left", "right")
+            for k, torque in ((1, 3.2), (2, 1.6), (3, 0.8))
         },
     }
 )

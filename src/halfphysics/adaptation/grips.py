@@ -9,7 +9,7 @@ possible. A hand alone is moved until the thing is in it, and its fingers close 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -46,6 +46,11 @@ _PULLS = 0.05
 _ROUND = 0.6
 #: Fingers that never turn by more than this [rad] were not recorded.
 _STRAIGHT = 1e-3
+#: Hands bear from below what weighs between these from the middles of their palms towards the
+#: fingers [m]; a pair costs as what is beyond over the last [m].
+_BEARS, _TIPS = (-0.02, 0.05), 0.01
+#: Rounds in which a palm is laid on the surface, by no more than this [m].
+_LAYS, _LAID = 3, 0.03
 #: A line leaves this share of the cone of friction unused, at least.
 _SPARE = 0.25
 
@@ -106,21 +111,23 @@ def places(motion: Motion, body: Body, hold: RecordedHold, friction: float) -> t
         _candidates(thing, hand, turn, wrist)
         for hand, (turn, wrist) in zip(hold.hands, seen, strict=True)
     ]
+    picked, ways = (0,) * len(candidates), [np.zeros(3)] * len(candidates)
     if len(candidates) == 2:
         up = np.einsum("tji,j->ti", thing.turn[frames], [0.0, 0.0, 1.0]).mean(axis=0)
-        pair = _opposed(thing, candidates, friction, up / max(np.linalg.norm(up), 1e-9))
+        up = up / max(float(np.linalg.norm(up)), 1e-9)
+        pair = _opposed(thing, candidates, friction, up)
         if pair is not None:
             a, b = (c.points[k] for c, k in zip(candidates, pair, strict=True))
             line = (b - a) / np.linalg.norm(b - a)
-            return tuple(
-                _place(hand, its, k, before, way)
-                for hand, its, k, before, way in zip(
-                    hold.hands, candidates, pair, seen, (line, -line), strict=True
-                )
-            )
+            picked, ways = pair, [line, -line]
+        else:
+            ahead = [turn @ hand.ahead for hand, (turn, _) in zip(hold.hands, seen, strict=True)]
+            picked = _bearing(thing, candidates, ahead, up)
     return tuple(
-        _place(hand, its, 0, before, np.zeros(3))
-        for hand, its, before in zip(hold.hands, candidates, seen, strict=True)
+        _laid(body, thing, _place(hand, its, k, before, way))
+        for hand, its, k, before, way in zip(
+            hold.hands, candidates, picked, seen, ways, strict=True
+        )
     )
 
 
@@ -240,6 +247,41 @@ def _opposed(
         return None
     i, j = np.unravel_index(best, cost.shape)
     return int(i), int(j)
+
+
+def _bearing(
+    thing: Thing, candidates: list[_Candidates], ahead: list[Array], up: Array
+) -> tuple[int, int]:
+    """The best two places that bear from below: the weight is above the hands, palm to fingers."""
+    a, b = candidates
+    along = ahead[0] + ahead[1]
+    along = along - (along @ up) * up
+    along = along / max(float(np.linalg.norm(along)), 1e-9)
+    middle = 0.5 * (a.points[:, None] + b.points[None])
+    beyond = (thing.item.com - middle) @ along
+    off = np.maximum(beyond - _BEARS[1], 0.0) + np.maximum(_BEARS[0] - beyond, 0.0)
+    below = np.maximum(-a.normals @ up, 0.0)[:, None] * np.maximum(-b.normals @ up, 0.0)
+    cost = (
+        (a.away[:, None] / _FAR) ** 2
+        + (b.away[None] / _FAR) ** 2
+        + below * (off / _TIPS) ** 2
+    )
+    i, j = np.unravel_index(int(np.argmin(cost)), cost.shape)
+    return int(i), int(j)
+
+
+def _laid(body: Body, thing: Thing, place: Place) -> Place:
+    """The place with the palm moved along the surface's normal until its skin just touches."""
+    hand = place.hand
+    part = np.argmax(np.asarray(body.weights)[hand.inner], axis=1)
+    palm = np.asarray(body.rest_vertices)[hand.inner[part == hand.wrist]]
+    palm = palm - np.asarray(body.rest_joints)[hand.wrist]
+    for _ in range(_LAYS):
+        gap = float(thing.gaps(place.wrist + palm @ place.turn.T).min(initial=np.inf))
+        if abs(gap) > _LAID:
+            break
+        place = replace(place, point=place.point - gap * place.normal)
+    return place
 
 
 def _place(

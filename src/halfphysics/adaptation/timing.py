@@ -39,10 +39,10 @@ FALLS, THROWS = E("T_FALLS", 0.3), 0.1
 #: Palm and fingers leave the surface from this before they let go on, within the second [s].
 OPENS, OPENING = E("T_OPENS", 0.05), E("T_OPENING", 0.4)
 #: The same of fingers that grasp: they have farther to go.
-GRASP_OPENS, GRASP_OPENING = E("G_OPENS", 0.15), E("G_OPENING", 0.4)
+GRASP_OPENS, GRASP_OPENING = 0.15, 0.4
 #: A grasp whose fingers were not recorded lets go so long after the thing rests [s], if the hand has
 #: not left it before: nobody recorded that its fingers opened.
-UNSEEN = 0.4
+UNSEEN = 0.5
 #: A hand is back on its recorded way within the second, from the first after it let go on [s].
 LEAVES, GOES = 0.1, E("T_GOES", 0.8)
 

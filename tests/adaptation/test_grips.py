@@ -10,6 +10,7 @@ from halfphysics.adaptation.grips import fingers_at, fingers_known, places
 from halfphysics.adaptation.hands import SIDES, Hand
 from halfphysics.adaptation.recorded_holds import recorded_holds
 from halfphysics.adaptation.thing import Thing
+from support.carries.recordings import Case, recording
 
 #: Points are on the surface, and palms flat on it, to this [m] and [rad].
 ON, FLAT = 1e-9, 1e-6
@@ -24,10 +25,18 @@ def held(recording, name):
     return hold, places(recording.motion, body, hold, FRICTION)
 
 
+def palm_skin(body, hand):
+    """Skin of a palm in the wrist's frame (n, 3) [m]."""
+    part = np.argmax(body.weights[hand.inner], axis=1)
+    own = hand.inner[part == hand.wrist]
+    return body.rest_vertices[own] - body.rest_joints[hand.wrist]
+
+
 def test_two_palms_lie_flat_on_opposite_sides(carry):
     hold, its = held(carry, "suitcase")
     for place in its:
-        assert np.abs(hold.thing.gaps(place.point[None])).max() < ON
+        palm = place.wrist + palm_skin(carry.body, place.hand) @ place.turn.T
+        assert abs(hold.thing.gaps(palm).min()) < ON
         faces = place.turn @ [0.0, -1.0, 0.0]
         assert np.arccos(np.clip(-faces @ place.normal, -1.0, 1.0)) < FLAT
         assert np.abs(place.turn @ place.turn.T - np.eye(3)).max() < 1e-12
@@ -39,6 +48,18 @@ def test_the_line_between_two_palms_is_in_both_cones(carry):
     _, its = held(carry, "suitcase")
     for place in its:
         assert -place.presses @ place.normal > np.cos(np.arctan(FRICTION))
+
+
+def test_hands_below_a_tray_go_on_until_its_weight_is_above_them():
+    """Recorded at its near edge, 11 cm short of the middle, where finger tips alone would bear."""
+    made = recording(Case("tray", way="up", ends="air"))
+    sequence = made.sequence()
+    body, thing = sequence.body, Thing.of(sequence.scene.objects["tray"], made.track)
+    (hold,) = recorded_holds(sequence.motion, body, [Hand.of(body, side) for side in SIDES], thing)
+    for place in places(sequence.motion, body, hold, FRICTION):
+        assert not place.presses.any()
+        short = thing.item.com[0] - place.point[0]
+        assert -0.02 < short < 0.08 < thing.item.com[0] - place.seen[0]
 
 
 def test_palms_stay_where_they_were_recorded(carry):

@@ -68,8 +68,38 @@ def test_more_force_goes_farther_in_its_direction(side):
         )
         after, _ = where(motion.with_frames(motion.translation, rotations), hand, body)
         ways.append(float(((after - before) @ inward[0])[0]))
-    assert 0.002 < ways[0] < ways[1] < 0.1
+    assert 0.0005 < ways[0] < ways[1] < 0.02
     assert ways[1] == pytest.approx(2.0 * ways[0], rel=0.1)
+
+
+def test_fingers_turn_inwards_as_the_force_grows():
+    """The wrist's spring at that angle, lambda of the wrist included, has the fingers' share."""
+    body = hp.Body.default()
+    hand = Hand.of(body, "left")
+    angles = press._curl(body, hand, np.array([0.0, FORCE, 2.0 * FORCE]), FIRM, TAU)
+    assert angles[0] == 0.0
+    assert angles[2] == pytest.approx(2.0 * angles[1])
+    model = mujoco.MjModel.from_xml_string(to_mjcf(body.variant))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    full = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, full)
+    joint = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, "left_wrist")
+    dof = int(model.jnt_dofadr[joint])
+    inertia = np.trace(full[dof : dof + 3, dof : dof + 3]) / 3.0 - model.dof_armature[dof]
+    lever = press._TIPS_AT * np.linalg.norm(hand.palm)
+    moment = (1.0 + press._WRIST * FIRM) * inertia * angles[1] / TAU**2
+    assert moment == pytest.approx(press._TIPS_BEAR * FORCE * lever, rel=1e-6)
+
+
+def test_a_hand_that_presses_is_firmer_and_nothing_else():
+    hand = Hand.of(hp.Body.default(), "right")
+    firmer = press.firmer(hand, np.array([0.0, 0.5, 1.0]))
+    assert (firmer[0] == 1.0).all()
+    assert np.allclose(firmer[1] - 1.0, 0.5 * (firmer[2] - 1.0))
+    own = [*hand.pressing, *hand.fingers]
+    assert (firmer[2, own] > 1.0).all()
+    assert (np.delete(firmer[2], own) == 1.0).all()
 
 
 def test_no_force_changes_nothing():

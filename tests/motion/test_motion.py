@@ -329,3 +329,27 @@ def test_rates_that_would_fill_the_memory():
             motion.resample(fps)
     with pytest.raises(InputError, match="fps: found 'x', expected a positive number"):
         motion.resample("x")
+
+
+# -- stiffness -----------------------------------------------------------------------------
+
+
+def test_stiffness_scale_goes_with_its_frames():
+    scale = 1.0 + np.random.default_rng(1).uniform(0.0, 9.0, (20, 55))
+    motion = random_motion(stiffness_scale=scale)
+    assert np.array_equal(motion[3].stiffness_scale, scale[3])
+    assert np.array_equal(motion[15:2:-4].stiffness_scale, scale[15:2:-4])
+    moved = motion.with_frames(motion.translation + 1.0, motion.rotations)
+    assert np.array_equal(moved.stiffness_scale, scale)
+    assert motion.with_frames(motion.translation[:9], motion.rotations[:9]).stiffness_scale is None
+    twice = motion.resample(60.0)
+    assert np.array_equal(twice.stiffness_scale[::2], scale)
+    assert np.allclose(twice.stiffness_scale[1::2], 0.5 * (scale[1:] + scale[:-1]))
+    assert np.array_equal(twice.resample(30.0).stiffness_scale, scale)
+    assert random_motion()[3].stiffness_scale is None
+
+
+@pytest.mark.parametrize("wrong", [np.ones(20), np.ones((19, 55)), -np.ones((20, 55))])
+def test_a_stiffness_scale_of_another_shape_or_sign_is_refused(wrong):
+    with pytest.raises(InputError, match="stiffness_scale"):
+        random_motion(stiffness_scale=wrong)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import mujoco
 import numpy as np
 import pytest
@@ -268,8 +270,11 @@ def test_firmness_and_torques_are_those_of_our_own_world():
             if t == 20:
                 for one in (control, simulator):
                     one.set_stiffness({"legs": 0.0, "hands": 3.0})
-            control.step(motion[t], dt=1.0 / motion.fps)
-            frame = simulator.step(motion[t])
+            pose = motion[t]
+            if t > 30:
+                pose = dataclasses.replace(pose, stiffness_scale=np.linspace(1.0, 5.0, 55))
+            control.step(pose, dt=1.0 / motion.fps)
+            frame = simulator.step(pose)
             np.testing.assert_allclose(control.torque, frame.torque, rtol=0.0, atol=1e-6)
             largest = max(largest, np.abs(frame.torque).max())
             pressed.append(len(frame.contacts.part) > 0)

@@ -90,6 +90,34 @@ def test_arguments_for_all_and_for_each():
     assert bits(shared[0]) == bits(hp.simulate(walk, wall, settings=limp, stiffness=3.0))
 
 
+def test_a_motion_brings_its_own_firmness():
+    """As factors on the settings': by `simulate`, `simulate_many` and step by step, equal bits."""
+    walk = scenarios.load("walk_into_wall").motion[::2]
+    wall = scenarios.load("walk_into_wall").scene
+    settings = hp.Settings(stiffness=0.5)
+    scale = np.random.default_rng(0).uniform(0.5, 8.0, (len(walk), 55))
+    tensed = dataclasses.replace(walk, stiffness_scale=scale)
+    expected = hp.simulate(walk, wall, settings=settings, stiffness=0.5 * scale)
+    assert len(expected.contacts.part)
+    got = hp.simulate(tensed, wall, settings=settings)
+    many = hp.simulate_many([tensed, tensed], wall, settings=settings, threads=2)
+    assert [bits(r) for r in (got, *many)] == [bits(expected)] * 3
+    assert bits(hp.simulate(walk, wall, settings=settings)) != bits(expected)
+    assert bits(hp.simulate(tensed, wall, settings=settings, stiffness=2.0)) == bits(
+        hp.simulate(walk, wall, settings=settings, stiffness=2.0)
+    )
+    simulator = hp.Simulator(wall, settings=settings, fps=walk.fps)
+    simulator.reset(tensed[0])
+    for t in range(1, len(walk)):
+        pose = simulator.step(tensed[t]).pose
+        assert np.array_equal(pose.rotations, expected.people[0].motion.rotations[t])
+    # Between frames it is as firm as it is without a scale.
+    plain = hp.Simulator(wall, settings=settings, fps=walk.fps)
+    plain.set_state(simulator.get_state())
+    last = simulator.step(walk[-1]).pose
+    assert np.array_equal(last.rotations, plain.step(walk[-1]).pose.rotations)
+
+
 def test_baselines_of_another_engine():
     walk = scenarios.load("walk_into_wall").motion[:FRAMES]
     settings = [hp.baselines.EngineKinematic(), hp.baselines.Kinematic(), None]

@@ -31,6 +31,9 @@ _NAMES = ("index", "middle", "ring", "pinky")
 _RATES, _THUMB_RATES = np.array([0.75, 1.0, 0.6]), np.array([0.6, 0.8, 0.8])
 #: A finger opens by this before it closes, and closes by this at most [rad].
 _BACK, _CLOSES = 0.4, 2.0
+#: A thumb that comes to a grasp is open by this much more [rad]: opposed and little open, it pushes
+#: a glass away before it is in the hand.
+_THUMB_BACK = 0.5
 #: Steps of a search, and rounds of it.
 _STEPS, _ROUNDS = 24, 2
 #: Skin that is nearer than this touches [m].
@@ -91,7 +94,7 @@ def closed(body: Body, thing: Thing, place: Place, start: Array, known: bool) ->
     opened[:, _FLEXION] -= _BACK
     if place.grasps:
         at = np.flatnonzero(np.isin(own, thumb))
-        opened[at, _FLEXION] -= 0.5
+        opened[at, _FLEXION] -= _THUMB_BACK
     return Closed(own, angles[own], presses[own], None if known else opened)
 
 

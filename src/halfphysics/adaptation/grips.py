@@ -261,11 +261,7 @@ def _bearing(
     beyond = (thing.item.com - middle) @ along
     off = np.maximum(beyond - _BEARS[1], 0.0) + np.maximum(_BEARS[0] - beyond, 0.0)
     below = np.maximum(-a.normals @ up, 0.0)[:, None] * np.maximum(-b.normals @ up, 0.0)
-    cost = (
-        (a.away[:, None] / _FAR) ** 2
-        + (b.away[None] / _FAR) ** 2
-        + below * (off / _TIPS) ** 2
-    )
+    cost = (a.away[:, None] / _FAR) ** 2 + (b.away[None] / _FAR) ** 2 + below * (off / _TIPS) ** 2
     i, j = np.unravel_index(int(np.argmin(cost)), cost.shape)
     return int(i), int(j)
 

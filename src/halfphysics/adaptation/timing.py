@@ -1,10 +1,12 @@
 """When a hand comes, closes, presses, lets go and leaves: shares of the adaptation over time.
 
-comes      within 0.4 s, ending 0.1 s before it is near: from its recorded way to that, shifted
-closes     0.3 s, until 0.3 s before the thing moves: the palm onto the surface, fingers around
-presses    a rise of 0.15 s, in full 0.15 s before the thing moves
-lets go    within 0.1 s of the hold's end, then the palm leaves the surface in 0.3 s
-leaves     within 0.5 s it is on its recorded way again
+comes      within 0.6 s, from its recorded way to that, shifted
+closes     0.4 s, until 0.3 s before the thing moves: the palm onto the surface, fingers around
+presses    a rise of 0.4 s, in full 0.15 s before the thing moves
+lets go    over the last 0.3 s in which the thing rests in the hands, or 0.1 s around their end
+leaves     the surface within 0.35 s, and is on its recorded way again after 0.9 s
+
+All are as slow as they can be: a hand that jerks pushes what it should hold.
 """
 
 from __future__ import annotations
@@ -22,29 +24,29 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-import os
-E = lambda n, d: float(os.environ.get(n, d))
 #: The palm is at the surface so long before the thing moves [s]: slow starts are seen late.
 TOUCHES = 0.3
 #: It comes onto the surface, and fingers close, within this time until then [s].
-CLOSES = E("T_CLOSES", 0.4)
-#: A hand goes from its recorded way to the shifted one within this time [s], and is there when it is
-#: near the thing, but not earlier or later than this before it touches [s].
-COMES, EARLY, LATE = E("T_COMES", 0.6), E("T_EARLY", 0.3), 0.2
+CLOSES = 0.4
+#: A hand goes from its recorded way to the shifted one within this time [s], and is there when it
+#: is near the thing, but not earlier or later than this before it touches [s].
+COMES, EARLY, LATE = 0.6, 0.3, 0.2
+#: In a clip that starts shortly before, it takes this long for that, if there is time [s].
+HASTE = 0.3
 #: It presses in full so long before the thing moves, after a rise of this time [s].
-AHEAD, RISES = 0.15, E("T_RISES", 0.4)
+AHEAD, RISES = 0.15, 0.4
 #: Its force falls within this time until it lets go, from when the thing rests; within the second,
 #: around that moment, where it does not rest [s].
-FALLS, THROWS = E("T_FALLS", 0.3), 0.1
+FALLS, THROWS = 0.3, 0.1
 #: Palm and fingers leave the surface from this before they let go on, within the second [s].
-OPENS, OPENING = E("T_OPENS", 0.05), E("T_OPENING", 0.4)
+OPENS, OPENING = 0.05, 0.4
 #: The same of fingers that grasp: they have farther to go.
 GRASP_OPENS, GRASP_OPENING = 0.15, 0.4
-#: A grasp whose fingers were not recorded lets go so long after the thing rests [s], if the hand has
-#: not left it before: nobody recorded that its fingers opened.
+#: A grasp whose fingers were not recorded lets go so long after the thing rests [s], if the hand
+#: has not left it before: nobody recorded that its fingers opened.
 UNSEEN = 0.5
 #: A hand is back on its recorded way within the second, from the first after it let go on [s].
-LEAVES, GOES = 0.1, E("T_GOES", 0.8)
+LEAVES, GOES = 0.1, 0.8
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,9 +90,12 @@ class Timing:
         touches = hold.first / fps - TOUCHES
         if touches > 0.0:
             comes = min(max(arrives / fps, touches - EARLY), touches - LATE)
-            share = ease((time - (comes - COMES)) / COMES)
-            closed = ease((time - (touches - CLOSES)) / CLOSES)
-            presses = ease((time - (hold.first / fps - AHEAD - RISES)) / RISES)
+            pressing = hold.first / fps - AHEAD
+            share = _rises(time, comes - COMES, max(comes, min(touches, HASTE)))
+            if arrives == 0:  # it is there when the clip starts
+                share = np.ones(frames)
+            closed = _rises(time, touches - CLOSES, touches)
+            presses = _rises(time, pressing - RISES, pressing)
         else:  # held from the start
             share, closed = np.ones(frames), np.ones(frames)
             presses = ease(time / max(hold.first / fps, AHEAD))
@@ -108,3 +113,10 @@ class Timing:
             closed *= opens
             share *= 1.0 - ease((after - LEAVES) / GOES)
         return cls(share, fixed * share, closed, presses * share)
+
+
+def _rises(time: Array, start: float, end: float) -> Array:
+    """From 0 to 1 between two times, not before the clip starts: there all is as recorded."""
+    start = max(start, 0.0)
+    rises: Array = ease((time - start) / max(end - start, 1e-9))
+    return rises

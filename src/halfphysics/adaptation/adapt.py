@@ -9,7 +9,7 @@ own motion is never touched: friction lifts it, or does not.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,6 +25,7 @@ from halfphysics.adaptation.timing import Timing
 from halfphysics.base import rotations as rot
 from halfphysics.body.joint_ranges import JointRanges, from_swing_twist
 from halfphysics.errors import InputError
+from halfphysics.motion.adapted_hold import AdaptedHold
 from halfphysics.motion.joint_groups import JointValues
 from halfphysics.scene.material_pairs import PERSON
 
@@ -54,40 +55,25 @@ _FAR = 1e5
 
 
 @dataclass(frozen=True, eq=False)
-class AdaptedHold:
-    """One thing held by one person, as adapted.
-
-    Attributes:
-        object: Name of the thing.
-        parts: Joints that hold it: wrists.
-        first: Frame in which the hands press.
-        last: Last frame in which they do.
-        force: What each hand presses with against the other [N]; 0: fingers hold it, or it is
-            borne from below.
-        moved: How far each palm was moved from where it was recorded [m], medians over the hold.
-    """
-
-    object: str
-    parts: tuple[str, ...]
-    first: int
-    last: int
-    force: float
-    moved: tuple[float, ...]
-
-
-@dataclass(frozen=True, eq=False)
 class Adaptation:
     """A motion that holds what it was recorded with.
 
     Attributes:
-        motion: The adapted motion.
-        recorded: The motion as recorded.
-        holds: What is held, in the order of time.
+        motion: The adapted motion, with its `Motion.holds` and `Motion.recorded`; the motion that
+            was given where nothing is held.
     """
 
     motion: Motion
-    recorded: Motion
-    holds: tuple[AdaptedHold, ...]
+
+    @property
+    def recorded(self) -> Motion:
+        """The motion as recorded."""
+        return self.motion if self.motion.recorded is None else self.motion.recorded
+
+    @property
+    def holds(self) -> tuple[AdaptedHold, ...]:
+        """What is held, in the order of time."""
+        return self.motion.holds
 
     def summary(self) -> str:
         """What was adapted and by how much, in one line."""
@@ -118,7 +104,7 @@ def adapt(
     """Adapt a recorded motion to the things that it held.
 
     Args:
-        motion: The recorded motion, T frames.
+        motion: The recorded motion, T frames. Of one that was adapted, what it was recorded as.
         scene: With the recorded things as objects.
         body: The person's body; None: the default body.
         recorded: Name of an object -> its recorded poses, T frames.
@@ -133,6 +119,7 @@ def adapt(
 
     body = Body.default() if body is None else body
     settings = Settings() if settings is None else settings
+    motion = motion if motion.recorded is None else motion.recorded
     hands = [hand for side in SIDES if (hand := Hand.of(body, side)) is not None]
     out, holds = motion, []
     for name, track in (recorded or {}).items():
@@ -154,8 +141,12 @@ def adapt(
                 out, away = _held(out, body, hold, place, arrives, force, squeeze, settings)
                 moved.append(away)
             parts = tuple(f"{place.hand.side}_wrist" for place in its)
-            holds.append(AdaptedHold(name, parts, hold.first, hold.last, force, tuple(moved)))
-    return Adaptation(out, motion, tuple(sorted(holds, key=lambda h: h.first)))
+            when, record = (hold.first, hold.last), (track.position, track.quaternion)
+            holds.append(AdaptedHold(name, parts, *when, force, tuple(moved), *record))
+    if not holds:
+        return Adaptation(motion)
+    holds.sort(key=lambda h: h.first)
+    return Adaptation(replace(out, holds=tuple(holds), recorded=motion))
 
 
 def _force(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, overload
 
@@ -14,6 +15,7 @@ from halfphysics.base import validation
 from halfphysics.base.axes import axes_of, turned
 from halfphysics.base.validation import frame_rate, number
 from halfphysics.errors import InputError
+from halfphysics.motion.adapted_hold import AdaptedHold, check_adaptation
 from halfphysics.motion.file_metadata import FileMetadata
 from halfphysics.motion.pose import Pose, checked, checked_axes, flat_rotations
 from halfphysics.motion.resampling import interpolated, sample_positions
@@ -49,10 +51,14 @@ class Motion:
         model: "smplx", "smplh" or "smpl": the model that `betas` belong to.
         axes: World from file axes, shape (3, 3); None: the identity.
         origin: Further data of the file (set by loaders, used by writers).
+        holds: What the hands are to hold, where the motion was adapted to it (`halfphysics.adapt`).
+        recorded: The motion as it was before that, frame by frame, which measures compare with;
+            None: it was not adapted. Motion files keep neither, result files keep both.
 
     Raises:
         InputError: A wrong shape, NaN, fewer than two frames, an fps that is not positive, a
-            root faster than 50 m/s, or an unknown gender or model.
+            root faster than 50 m/s, an unknown gender or model, or `holds` or `recorded` of other
+            frames.
     """
 
     translation: Array
@@ -63,6 +69,8 @@ class Motion:
     model: str = "smplx"
     axes: Array = field(default_factory=lambda: np.eye(3), repr=False)
     origin: FileMetadata | None = field(default=None, repr=False)
+    holds: tuple[AdaptedHold, ...] = field(default=(), repr=False)
+    recorded: Motion | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         translation = checked("translation", self.translation, (None, 3), "(T, 3)")
@@ -95,8 +103,10 @@ class Motion:
             ("fps", fps),
             ("betas", betas),
             ("axes", checked_axes(self.axes)),
+            ("holds", tuple(self.holds)),
         ):
             object.__setattr__(self, name, value)
+        check_adaptation(self)
 
     def __repr__(self) -> str:
         shape = "no betas" if self.betas is None else f"{len(self.betas)} betas"
@@ -127,11 +137,7 @@ class Motion:
     def __getitem__(self, index: int | slice) -> Pose | Motion:
         """A `Pose` for an integer, a `Motion` for a slice; a step keeps real time (fps / step)."""
         if isinstance(index, slice):
-            step = 1 if index.step is None else abs(int(index.step))
-            metadata = None if self.origin is None else self.origin.taken(index)
-            return self._replaced(
-                self.translation[index], self.rotations[index], self.fps / max(step, 1), metadata
-            )
+            return self.changed(lambda motion: motion._taken(index))
         try:
             return Pose(self.translation[index], self.rotations[index], self.axes)
         except IndexError:
@@ -139,12 +145,31 @@ class Motion:
 
     # -- changing ------------------------------------------------------------------------
 
+    def _taken(self, index: slice) -> Motion:
+        """A slice; a step keeps real time."""
+        step = 1 if index.step is None else abs(int(index.step))
+        metadata = None if self.origin is None else self.origin.taken(index)
+        position = np.arange(len(self), dtype=np.float64)[index]
+        return self._replaced(
+            self.translation[index],
+            self.rotations[index],
+            self.fps / max(step, 1),
+            metadata,
+            self._holds_at(position),
+        )
+
+    def _holds_at(self, position: Array) -> tuple[AdaptedHold, ...]:
+        """The holds in a motion of these fractional frames (T,)."""
+        sampled = (hold.sampled(position) for hold in self.holds)
+        return tuple(hold for hold in sampled if hold is not None)
+
     def _replaced(
         self,
         translation: ArrayLike,
         rotations: ArrayLike,
         fps: float,
         metadata: FileMetadata | None,
+        holds: tuple[AdaptedHold, ...] = (),
     ) -> Motion:
         return Motion(
             np.asarray(translation, dtype=np.float64),
@@ -155,18 +180,37 @@ class Motion:
             model=self.model,
             axes=self.axes,
             origin=metadata,
+            holds=holds,
         )
+
+    def bare(self) -> Motion:
+        """The frames alone: without what is to be held and what was recorded."""
+        if not self.holds and self.recorded is None:
+            return self
+        return dataclasses.replace(self, holds=(), recorded=None)
+
+    def changed(self, change: Callable[[Motion], Motion]) -> Motion:
+        """What `change` makes of the motion, with what it makes of the motion as recorded."""
+        if self.recorded is None:
+            return change(self)
+        made = change(dataclasses.replace(self, recorded=None))
+        return dataclasses.replace(made, recorded=change(self.recorded))
 
     def with_frames(
         self, translation: ArrayLike, rotations: ArrayLike, fps: float | None = None
     ) -> Motion:
         """The same person and file conventions with other frames (world frame, as in `Motion`).
 
-        Extra per-frame data of the file is kept while the number of frames and fps stay.
+        Extra per-frame data of the file, `holds` and `recorded` are kept while the number of frames
+        and fps stay.
         """
         fps = self.fps if fps is None else fps
         metadata = self.origin
-        if metadata is not None and (len(np.asarray(translation)) != len(self) or fps != self.fps):
+        if len(np.asarray(translation)) == len(self) and fps == self.fps:
+            made = self._replaced(translation, rotations, fps, metadata, self.holds)
+            known = self.recorded is not None
+            return dataclasses.replace(made, recorded=self.recorded) if known else made
+        if metadata is not None:
             metadata = FileMetadata(format=metadata.format, fields=metadata.fields)
         return self._replaced(translation, rotations, fps, metadata)
 
@@ -182,9 +226,13 @@ class Motion:
         """
         fps = frame_rate(fps, "60.0")
         position = sample_positions(len(self), self.fps, fps)
+        return self.changed(lambda motion: motion._sampled(position, fps))
+
+    def _sampled(self, position: Array, fps: float) -> Motion:
+        """The motion at fractional frames (T,)."""
         translation, rotations = interpolated(self.translation, self.rotations, position)
         metadata = None if self.origin is None else self.origin.sampled(position)
-        return self._replaced(translation, rotations, fps, metadata)
+        return self._replaced(translation, rotations, fps, metadata, self._holds_at(position))
 
     def grounded(self, body: Body, z: float = 0.0, *, percentile: float = 0.0) -> Motion:
         """The motion moved along z so that its lowest skin vertex touches height `z` [m].
@@ -204,8 +252,8 @@ class Motion:
         for start in range(0, len(self), _CHUNK):
             frames = range(start, min(start + _CHUNK, len(self)))
             lowest[start : frames.stop] = body.vertices(self, frames=frames)[..., 2].min(axis=1)
-        shift = z - float(np.percentile(lowest, percentile))
-        return self.with_frames(self.translation + np.array([0.0, 0.0, shift]), self.rotations)
+        up = np.array([0.0, 0.0, z - float(np.percentile(lowest, percentile))])
+        return self.changed(lambda m: m.with_frames(m.translation + up, m.rotations))
 
     # -- the names of the smplx package ----------------------------------------------------
 
@@ -306,8 +354,10 @@ class Motion:
         if np.array_equal(self.axes, axes):
             return self
         shift = (self.axes - axes) @ body.rest_joints[0]
-        return dataclasses.replace(
-            self, translation=self.translation + shift, axes=axes, origin=None
+        return self.changed(
+            lambda m: dataclasses.replace(
+                m, translation=m.translation + shift, axes=axes, origin=None
+            )
         )
 
     # -- files -----------------------------------------------------------------------------

@@ -10,6 +10,7 @@ import socket
 import subprocess
 import sys
 import threading
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -149,8 +150,8 @@ def test_the_page_says_what_it_shows_and_nothing_in_a_title_runs(tmp_path):
 
 
 def test_the_page_says_what_hands_held(tmp_path):
-    result = small_result()
-    result.people[0].name = "a<b"
+    result = SimpleNamespace(**vars(small_result()))
+    result.people = (SimpleNamespace(**vars(result.people[0]) | {"name": "a<b"}),)
     held = HeldReport(
         object="ball", person="a<b", part="left_wrist", start=0.1, end=0.5, asked=40.0,
         reached=38.0, margin=2.0, touched=1.0, rise=0.1, recorded_rise=0.4, away=0.3,

@@ -116,6 +116,23 @@ def test_a_thing_is_lost_when_no_hand_touches_it_any_more():
     assert (never.reached, never.margin, never.touched) == (0.0, 0.0, 0.0)
 
 
+@pytest.mark.parametrize(
+    ("after", "late"),
+    [
+        ([], 0.0),
+        ([1], 1 / FPS),
+        ([1, 2, 3, 9, 20], 9 / FPS),  # six frames are 0.2 s
+        ([1, 8], 1 / FPS),
+        ([7], 0.0),
+        (range(1, 21), 20 / FPS),
+    ],
+)
+def test_hands_that_touch_on_let_go_late(after, late):
+    frames = [*range(FIRST, LAST + 1), *(LAST + k for k in after)]
+    for hand in result(touching(frames)).holds:
+        assert hand.late == pytest.approx(late)
+
+
 def test_who_waited_holds_later():
     """The clock stands still for ten frames: all is ten frames later, the record too."""
     frames = np.arange(FRAMES)

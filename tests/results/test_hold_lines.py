@@ -12,7 +12,7 @@ from halfphysics.results.hold_lines import line_of
 GOOD = HeldReport(
     object="largebox", person="ann", part="left_wrist", start=2.56, end=6.6, asked=82.0,
     reached=79.4, margin=2.1, touched=1.0, rise=0.78, recorded_rise=0.80, away=0.042,
-    turned_deg=5.4, end_away=0.03, lost=None,
+    turned_deg=5.4, end_away=0.03, lost=None, late=0.1,
 )  # fmt: skip
 
 
@@ -45,7 +45,9 @@ def test_other_parts_have_their_names():
     ("changes", "said"),
     [
         ({"rise": 0.02}, "; not lifted: 0.02 of 0.80 m; "),
+        ({"rise": 0.7}, "; lifted only 0.70 of 0.80 m; "),
         ({"lost": 4.21}, "; lost at 4.2 s; "),
+        ({"late": 0.3}, "; let go 0.3 s late; "),
         ({"touched": 0.4}, ", touched 40 % of the time; "),
         ({"away": 0.85}, "; not carried as recorded: up to 85 cm and 5° off its record"),
         ({"turned_deg": 31.0}, "; not carried as recorded: up to 4 cm and 31° off its record"),

@@ -155,7 +155,7 @@ def test_the_page_says_what_hands_held(tmp_path):
     held = HeldReport(
         object="ball", person="a<b", part="left_wrist", start=0.1, end=0.5, asked=40.0,
         reached=38.0, margin=2.0, touched=1.0, rise=0.1, recorded_rise=0.4, away=0.3,
-        turned_deg=5.0, end_away=0.3, lost=None,
+        turned_deg=5.0, end_away=0.3, lost=None, late=0.0,
     )  # fmt: skip
     result.holds = (held,)
     text = save_page(result, tmp_path / "a.html").read_text(encoding="utf-8")

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-#: A thing is lost where nothing that should hold it touches it for the last so much of a hold [s].
+#: A thing is let go where nothing that should hold it touches it for so long [s].
 LET_GO = 0.2
 #: Friction that is borne by less than this counts as this [N]: no margin is infinite.
 _LEAST = 1e-9
@@ -53,6 +53,8 @@ class HeldReport:
         end_away: Distance from its record in the last frame of the clip [m].
         lost: From when on none of the hold's hands touched the thing until the end of the hold [s]
             (the start where none ever did); None: held to the end, to 0.2 s.
+        late: How long after the end of the hold one of its hands still touched the thing, until
+            none did for 0.2 s [s].
     """
 
     object: str
@@ -70,6 +72,7 @@ class HeldReport:
     turned_deg: float
     end_away: float
     lost: float | None
+    late: float
 
 
 def held(result: Result) -> tuple[HeldReport, ...]:
@@ -92,10 +95,12 @@ def _reports(result: Result, index: int, hold: AdaptedHold) -> list[HeldReport]:
         start, end = float(during[0] / result.fps), float(during[-1] / result.fps)
     else:  # who waits for ever never comes to hold it
         start, end = hold.first / result.fps, hold.last / result.fps
-    forces = [_forces(result, index, hold.object, part)[:, during] for part in hold.parts]
-    touched = np.array([pressed > 0.0 for pressed, _ in forces])
+    whole = [_forces(result, index, hold.object, part) for part in hold.parts]
+    forces = [each[:, during] for each in whole]
+    touched = [pressed > 0.0 for pressed, _ in forces]
     thing = _thing(result, hold, position, during)
     lost = _lost(np.logical_or.reduce(touched), during, result.fps, start)
+    late = _late(np.logical_or.reduce([pressed > 0.0 for pressed, _ in whole]), during, result.fps)
     return [
         HeldReport(
             object=hold.object,
@@ -111,6 +116,7 @@ def _reports(result: Result, index: int, hold: AdaptedHold) -> list[HeldReport]:
             else 0.0,
             touched=float(on.mean()) if len(during) else 0.0,
             lost=lost,
+            late=late,
             **thing,
         )
         for part, (pressed, rubbed), on in zip(hold.parts, forces, touched, strict=True)
@@ -181,3 +187,14 @@ def _lost(touched: Mask, during: NDArray[np.intp], fps: float, start: float) -> 
     if (len(touched) - 1 - last) / fps <= LET_GO:
         return None
     return float(during[last + 1] / fps)
+
+
+def _late(touched: Mask, during: NDArray[np.intp], fps: float) -> float:
+    """How long a thing is still touched after a hold [s], by touches in all frames (T,)."""
+    if not len(during):
+        return 0.0
+    after = np.flatnonzero(touched[during[-1] + 1 :]) + 1
+    # The touches that go on from the hold, without a pause of LET_GO.
+    joined = np.diff(after, prepend=0) <= LET_GO * fps
+    count = len(after) if joined.all() else int(np.argmin(joined))
+    return float(after[count - 1] / fps) if count else 0.0

@@ -13,11 +13,14 @@ if TYPE_CHECKING:
 
 #: A thing that is recorded to rise by more than this [m] is to be lifted.
 RISES = 0.05
-#: It was not lifted where it rose by less than this share of its record.
-LIFTED = 0.5
+#: It was lifted where it rose by this share of its record, and not at all below the second.
+LIFTED, NOT_LIFTED = 0.9, 0.5
 #: A thing that was farther than this from its record during the hold, or turned by more, was not
 #: carried as recorded [m], [deg].
 CARRIED, TURNED = 0.10, 15.0
+#: Hands that touch a thing for longer than this after its hold let go late [s].
+LATE = 0.1
+_ROUNDING = 1e-9
 
 
 def hold_lines(result: Result, index: int) -> list[str]:
@@ -62,11 +65,15 @@ def _outcome(hold: HeldReport) -> list[str]:
     """What became of the thing, what failed first."""
     words = []
     if hold.recorded_rise > RISES:
-        share = f"{hold.rise:.2f} of {hold.recorded_rise:.2f} m"
-        lifted = hold.rise >= LIFTED * hold.recorded_rise
-        words.append(f"lifted {share}" if lifted else f"not lifted: {share}")
+        share = hold.rise / hold.recorded_rise
+        how = (
+            "lifted" if share >= LIFTED else "lifted only" if share >= NOT_LIFTED else "not lifted:"
+        )
+        words.append(f"{how} {hold.rise:.2f} of {hold.recorded_rise:.2f} m")
     if hold.lost is not None and hold.lost > hold.start:
         words.append(f"lost at {hold.lost:.1f} s")
+    if hold.late > LATE + _ROUNDING:
+        words.append(f"let go {hold.late:.1f} s late")
     carried = hold.away <= CARRIED and hold.turned_deg <= TURNED
     words.append(
         f"{'' if carried else 'not carried as recorded: '}up to {100.0 * hold.away:.0f} cm and "

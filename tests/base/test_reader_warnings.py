@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import threading
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -55,12 +57,34 @@ def test_a_block_in_a_block():
     ]
 
 
-def test_warnings_of_others_and_errors_pass():
-    with pytest.warns(DeprecationWarning, match="old") as caught, one_warning(FILE):
-        warnings.warn("old", DeprecationWarning, stacklevel=1)
-    assert len(caught) == 1
-    with pytest.raises(ValueError, match="mine"), one_warning(FILE):
+def fails():
+    with one_warning(FILE):
+        warn(f"{FILE}: no mass")
         raise ValueError("mine")
+
+
+def test_what_was_said_before_an_error_is_said():
+    with pytest.warns(HalfPhysicsWarning, match="no mass"), pytest.raises(ValueError, match="mine"):
+        fails()
+
+
+def test_threads_read_for_themselves():
+    """Two files at the same time: each is warned of by itself."""
+    both = threading.Barrier(2)
+
+    def read(path):
+        with one_warning(path):
+            warn(f"{path}: no mass")
+            both.wait(timeout=10)
+            warn(f"{path}: a floor")
+
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        with ThreadPoolExecutor(2) as threads:
+            list(threads.map(read, (Path("a.p"), Path("b.p"))))
+    assert sorted(str(each.message) for each in caught) == [
+        "a.p: no mass; a floor", "b.p: no mass; a floor",
+    ]  # fmt: skip
 
 
 def test_a_warning_may_be_an_error():

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
+from halfphysics.formats import losses
 from halfphysics.formats.loading import MotionOptions
 from halfphysics.motion.skeleton import JOINT_INDEX
 
@@ -55,6 +56,20 @@ def test_adapting_and_the_grip_are_options(carried_file):
     assert np.array_equal(again.rotations, touching.motion.rotations)
     for other in ("replayed", "none"):
         assert read(carried_file, MotionOptions(objects=other))[0].motion.holds == ()
+
+
+def test_a_motion_file_keeps_neither_hold_nor_record_and_says_so(carried_file, tmp_path):
+    sequence, _ = read(carried_file)
+    lost = losses(sequence.motion, tmp_path / "a.npz")
+    assert [line for line in lost if "what the hands hold" in line] != []
+    assert losses(sequence.motion.bare(), tmp_path / "a.npz") == [
+        line for line in lost if "what the hands hold" not in line
+    ]
+    sequence.motion.save(tmp_path / "a.npz")
+    again = hp.Motion.load(tmp_path / "a.npz")
+    assert again.holds == ()
+    assert again.recorded is None
+    assert np.array_equal(again.rotations, sequence.motion.rotations)
 
 
 def test_hands_are_adapted_to_the_body_that_plays(carried_file):

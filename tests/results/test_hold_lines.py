@@ -38,7 +38,15 @@ def test_one_hand_whose_fingers_hold_and_nothing_rises():
 
 
 def test_other_parts_have_their_names():
-    assert "with left_foot," in line_of([dataclasses.replace(GOOD, part="left_foot")])
+    def said(*parts):
+        line = line_of([dataclasses.replace(GOOD, part=part) for part in parts])
+        return line.removeprefix("holds largebox with ").split(",")[0]
+
+    assert said("right_ankle") == "right foot"
+    assert said("left_ankle", "right_ankle") == "left and right foot"
+    assert said("pelvis") == "the seat"
+    assert said("left_wrist", "right_ankle") == "left_wrist and right_ankle"
+    assert said("left_elbow") == "left_elbow"
 
 
 @pytest.mark.parametrize(

@@ -36,10 +36,13 @@ _LEAST = 1e-9
 class HeldReport:
     """One hand of one hold (`Result.holds`); what concerns the thing is equal for all its hands.
 
+    What is said of hands holds for every part that a hold has: feet, a seat.
+
     Attributes:
         object: Name of the thing.
         person: Name of the person.
-        part: The wrist of the hand, which stands for hand and fingers.
+        part: The joint that stands for it: a wrist for hand and fingers, an ankle for a foot, the
+            pelvis for a seat.
         start, end: When it was to hold [s].
         asked: The force that it was to press with [N]; 0: fingers hold, or it bears from below.
         reached: The sum of its normal forces, the median over the hold [N].

@@ -21,6 +21,8 @@ CARRIED, TURNED = 0.10, 15.0
 #: Hands that touch a thing for longer than this after its hold let go late [s].
 LATE = 0.1
 _ROUNDING = 1e-9
+#: What a part that holds is called, by the joint that stands for it.
+_WORDS = {"wrist": "hand", "ankle": "foot", "pelvis": "seat"}
 
 
 def hold_lines(result: Result, index: int) -> list[str]:
@@ -44,10 +46,13 @@ def line_of(hands: Sequence[HeldReport]) -> str:
 
 
 def _parts(hands: Sequence[HeldReport]) -> str:
-    """The parts in words; both hands: left and right hand."""
-    sides = [hand.part.removesuffix("_wrist") for hand in hands]
-    wrists = all(hand.part.endswith("_wrist") for hand in hands)
-    return f"{' and '.join(sides)} hand" if wrists else " and ".join(h.part for h in hands)
+    """The parts in words: "left and right hand", "right foot", "the seat", or joints by name."""
+    ends = {hand.part.split("_")[-1] for hand in hands}
+    word = _WORDS.get(ends.pop()) if len(ends) == 1 else None
+    if word is None:
+        return " and ".join(hand.part for hand in hands)
+    sides = " and ".join(hand.part.split("_")[0] for hand in hands if "_" in hand.part)
+    return f"{sides or 'the'} {word}"
 
 
 def _forces(hands: Sequence[HeldReport]) -> str:

@@ -34,6 +34,17 @@ def shared_data() -> Path:
     return folder
 
 
+@pytest.fixture(scope="session")
+def carried_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A file of OMOMO with a suitcase that is carried, and the mesh beside it."""
+    from support.carries.cases import all_cases
+    from support.carries.files import write_omomo
+    from support.carries.recordings import recording
+
+    made = recording(next(case for case in all_cases() if case.thing == "suitcase"))
+    return write_omomo([made], tmp_path_factory.mktemp("carried"))
+
+
 def pytest_terminal_summary(terminalreporter) -> None:
     """Print the fuzzer's counts, if HALFPHYSICS_FUZZ is set."""
     fuzzing = sys.modules.get("support.fuzzing")

@@ -27,7 +27,7 @@ SETTINGS = (
 
 # The public callables: name -> parameters, * before keyword-only ones.
 PARAMETERS = {
-    "Motion": "translation rotations fps betas gender model axes origin",
+    "Motion": "translation rotations fps betas gender model axes origin holds recorded",
     "Motion.load": "path fps up hands model * gender frames clip assets",
     "Motion.from_smplx": "* fps global_orient transl body_pose jaw_pose leye_pose reye_pose "
     "left_hand_pose right_hand_pose betas expression gender model up hands_mean",
@@ -39,7 +39,8 @@ PARAMETERS = {
     "clips": "path",
     "export": "what path * body fps",
     "adapt": "motion scene body recorded * settings grip",
-    "load_sequence": "path assets * objects adapt ground fps up hands model gender frames clip",
+    "load_sequence": "path assets * objects adapt grip ground fps up hands model gender frames "
+    "clip",
     "Pose": "translation rotations axes",
     "Body.default": "betas stature mass bones",
     "Body.load": "path betas gender * model v_template mass",

@@ -60,13 +60,42 @@ def test_forces_are_human(carry, result):
         assert 20.0 < np.median(force[60:] * result.fps) < HUMAN
 
 
+def test_what_the_hands_did_is_in_the_result(adapted, result):
+    """Forces and margins, counted one by one from the contacts."""
+    assert [report.part for report in result.holds] == ["left_wrist", "right_wrist"]
+    c, thing, (hold,) = result.contacts, result.names.index("suitcase"), adapted.holds
+    for report in result.holds:
+        side, sums = report.part.split("_")[0], []
+        for frame in range(hold.first, hold.last + 1):
+            total = 0.0
+            for i in np.flatnonzero((c.frame == frame) & (c.other == thing)):
+                name = hp.JOINT_NAMES[c.part[i]]
+                if name.startswith(side) and c.part[i] >= 20:
+                    total += abs(float(c.impulse[i] @ c.normal[i])) * result.fps
+            sums.append(total)
+        assert report.reached == pytest.approx(float(np.median(sums)))
+        assert report.asked == hold.force
+        assert report.touched > 0.95
+        assert report.margin > 1.0  # nothing slips
+        assert 0.5 < report.reached / report.asked < 2.0
+        assert report.lost is None
+        assert report.away < AWAY
+    line = next(line for line in result.summary().splitlines() if "holds suitcase" in line)
+    assert "left and right hand" in line
+    assert "lifted" in line
+    assert "not " not in line
+
+
 def test_a_slippery_or_heavy_thing_is_not_lifted(carry):
     """It does not cheat: friction of 0.05 lets it slip, 200 kg stay where they are."""
     for changes in ({"friction": 0.05}, {"mass": 200.0}):
         story = hp.scenarios.load("lift_suitcase", shake=0.0, carry=1.0, **changes)
         made = adapt(carry.motion, story.scene, carry.body, carry.recorded)
-        got = hp.simulate(made.motion, story.scene, body=carry.body).objects["suitcase"]
+        result = hp.simulate(made.motion, story.scene, body=carry.body)
+        got = result.objects["suitcase"]
         assert rise(got) < 0.5 * rise(carry.recorded["suitcase"])
+        assert "not lifted: " in result.summary()
+        assert "not carried as recorded: " in result.summary()
 
 
 def test_only_arms_and_hands_move(carry, adapted):
@@ -101,15 +130,23 @@ def test_nothing_to_hold_changes_nothing(carry):
         made = adapt(carry.motion, carry.scene, carry.body, recorded)
         assert made.motion is carry.motion
         assert made.holds == ()
+        assert made.recorded is carry.motion
         assert "as recorded" in made.summary()
 
 
 def test_the_motion_as_recorded_is_kept_and_said(carry, adapted):
-    assert adapted.recorded is carry.motion
+    assert adapted.recorded is adapted.motion.recorded is carry.motion
     line = adapted.summary()
     assert "suitcase" in line
     assert "left and right hand" in line
     assert "\n" not in line
+
+
+def test_adapted_again_it_is_adapted_from_the_record(carry, adapted):
+    again = adapt(adapted.motion, carry.scene, carry.body, carry.recorded, grip=False)
+    once = adapt(carry.motion, carry.scene, carry.body, carry.recorded, grip=False)
+    assert np.array_equal(again.motion.rotations, once.motion.rotations)
+    assert again.recorded is carry.motion
 
 
 def test_the_same_in_the_same_bytes(carry, adapted):

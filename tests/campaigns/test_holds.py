@@ -232,8 +232,11 @@ def test_a_file_of_omomo_is_carried(tmp_path):
     heights = [track.position[:, 2] for track in (result.objects["smalltable"], made.track)]
     got, recorded = (float(height.max() - height[0]) for height in heights)
     assert got > 0.9 * recorded
-    assert np.array_equal(sequence.adaptations[0].recorded.translation, sequence.motion.translation)
-    assert not np.array_equal(sequence.adaptations[0].recorded.rotations, sequence.motion.rotations)
+    assert np.array_equal(result.recorded.translation, sequence.motion.translation)
+    assert not np.array_equal(result.recorded.rotations, sequence.motion.rotations)
+    for hand in result.holds:
+        assert (hand.object, hand.asked > 20.0, hand.touched > 0.5) == ("smalltable", True, True)
+        assert hand.rise == pytest.approx(got, abs=0.01)
 
 
 FPS = 10.0

@@ -103,6 +103,41 @@ def test_simulate_evaluate_convert(folder, capsys):
         assert not [key for key in file if "/" in key]
 
 
+def test_a_recorded_carry(folder, carried_file, capsys):
+    """What hands hold is said once each, and is off with one option."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("default")  # as in a separate program, not in this test run
+        assert run("simulate", str(carried_file), "--out", "r.npz") == 0
+        out, err = capsys.readouterr()
+        assert err.count("halfphysics: warning: ") == 1
+        lines = err.splitlines()
+        assert lines[0].startswith(f"halfphysics: warning: {carried_file}, clip 'sub1_suitcase")
+        (said,) = [line for line in lines if "hands adapted" in line]
+        assert said.startswith("  hands adapted to what they hold: suitcase")
+        assert "(--no-ground: none)" in err
+        assert "holds suitcase with left and right hand" in out
+        assert run("evaluate", "r.npz", "--json", "r.json") == 0
+        measured = json.loads((folder / "r.json").read_text())["people"][0]
+        assert [hand["part"] for hand in measured["holds"]] == ["left_wrist", "right_wrist"]
+        result = hp.Result.load("r.npz")
+        error = hp.metrics.mpjpe(result.motion, result.recorded, result.people[0].body)
+        assert measured["mpjpe_mm"] == error > 1.0
+        capsys.readouterr()
+        assert run("simulate", str(carried_file), "--no-grip") == 0
+        assert "pressing with" not in capsys.readouterr().err
+        assert (
+            run("simulate", str(carried_file), "--no-adapt", "--no-ground", "--out", "b.npz") == 0
+        )
+    out, err = capsys.readouterr()
+    assert "hands adapted" not in err
+    assert "'ground'" not in err
+    assert "holds suitcase" not in out
+    bare = hp.Result.load("b.npz")
+    assert bare.holds == ()
+    assert bare.names == ("suitcase", "person")
+    np.testing.assert_array_equal(bare.reference.rotations, result.recorded.rotations)
+
+
 def test_evaluate_a_motion(folder, capsys):
     moved = np.zeros((FRAMES, 3))
     moved[:, 2] = 0.94

@@ -1,4 +1,4 @@
-"""The reference at the time of the clock."""
+"""What was recorded, at the time of the clock."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ REFERENCE = along_x(1.5, 31, start=0.0)
 
 
 def person(clock):
-    return SimpleNamespace(reference=REFERENCE, clock=clock)
+    return SimpleNamespace(recorded=REFERENCE, clock=clock)
 
 
-def test_who_never_waited_gets_the_reference_itself():
+def test_who_never_waited_gets_the_record_itself():
     assert asked_motion(person(None)) is REFERENCE
     assert asked_motion(person(np.arange(31) / 30.0)) is REFERENCE
-    assert asked_motion(SimpleNamespace(reference=REFERENCE)) is REFERENCE
+    assert asked_motion(SimpleNamespace(recorded=REFERENCE)) is REFERENCE
 
 
 def test_who_waits_gets_what_the_clock_shows():

@@ -26,7 +26,6 @@ COVERED_BY = {
     "halfphysics/base/field_checks.py": "base/test_validation.py sweep/plan/test_plan.py",
     "halfphysics/base/npy.py": "base/test_npz.py formats/datasets/test_arctic.py",
     "halfphysics/base/pickle_placeholders.py": "base/test_restricted_pickle.py",
-    "halfphysics/base/reader_warnings.py": "formats/amass/test_fields.py",
     "halfphysics/base/torch_file.py": "base/test_stored_objects.py",
     "halfphysics/baselines/engine/*.py": "baselines/engine/test_engine.py",
     "halfphysics/baselines/reference.py": "native/stepping/test_baselines.py",

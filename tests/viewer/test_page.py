@@ -10,6 +10,7 @@ import socket
 import subprocess
 import sys
 import threading
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from halfphysics.errors import FileError, InputError
 from halfphysics.render.rasterizer import Camera
 from halfphysics.render.result_meshes import Drawing
 from halfphysics.render.viewpoint import FOV
+from halfphysics.results.held import HeldReport
 from halfphysics.viewer.contacts import ContactFrames
 from halfphysics.viewer.page import save_page
 from support.results.small_result import FPS, FRAMES, small_result
@@ -145,6 +147,22 @@ def test_the_page_says_what_it_shows_and_nothing_in_a_title_runs(tmp_path):
         "on an object",
     ]
     assert "<img" not in text.replace(key, "")
+
+
+def test_the_page_says_what_hands_held(tmp_path):
+    result = SimpleNamespace(**vars(small_result()))
+    result.people = (SimpleNamespace(**vars(result.people[0]) | {"name": "a<b"}),)
+    held = HeldReport(
+        object="ball", person="a<b", part="left_wrist", start=0.1, end=0.5, asked=40.0,
+        reached=38.0, margin=2.0, touched=1.0, rise=0.1, recorded_rise=0.4, away=0.3,
+        turned_deg=5.0, end_away=0.3, lost=None, late=0.0,
+    )  # fmt: skip
+    result.holds = (held,)
+    text = save_page(result, tmp_path / "a.html").read_text(encoding="utf-8")
+    key = json.loads(re.search(r"key.innerHTML = (\".*\");", text)[1])
+    (line,) = re.findall(r"<div>([^<]*)</div>", key)
+    assert html.unescape(line).startswith("holds ball with left hand, 0.1 to 0.5 s: 40 N asked")
+    assert "not lifted: 0.10 of 0.40 m" in line
 
 
 def test_the_page_has_a_camera_for_every_shape_of_window(page):

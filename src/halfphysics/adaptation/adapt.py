@@ -25,6 +25,7 @@ from halfphysics.adaptation.timing import Timing
 from halfphysics.base import rotations as rot
 from halfphysics.body.joint_ranges import JointRanges, from_swing_twist
 from halfphysics.errors import InputError
+from halfphysics.motion.adapted_hold import AdaptedHold
 from halfphysics.motion.joint_groups import JointValues
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.scene.material_pairs import PERSON
@@ -55,40 +56,25 @@ _FAR = 1e5
 
 
 @dataclass(frozen=True, eq=False)
-class AdaptedHold:
-    """One thing held by one person, as adapted.
-
-    Attributes:
-        object: Name of the thing.
-        parts: Joints that hold it: wrists.
-        first: Frame in which the hands press.
-        last: Last frame in which they do.
-        force: What each hand presses with against the other [N]; 0: fingers hold it, or it is
-            borne from below.
-        moved: How far each palm was moved from where it was recorded [m], medians over the hold.
-    """
-
-    object: str
-    parts: tuple[str, ...]
-    first: int
-    last: int
-    force: float
-    moved: tuple[float, ...]
-
-
-@dataclass(frozen=True, eq=False)
 class Adaptation:
     """A motion that holds what it was recorded with.
 
     Attributes:
-        motion: The adapted motion.
-        recorded: The motion as recorded.
-        holds: What is held, in the order of time.
+        motion: The adapted motion, with its `Motion.holds` and `Motion.recorded`; the motion that
+            was given where nothing is held.
     """
 
     motion: Motion
-    recorded: Motion
-    holds: tuple[AdaptedHold, ...]
+
+    @property
+    def recorded(self) -> Motion:
+        """The motion as recorded."""
+        return self.motion if self.motion.recorded is None else self.motion.recorded
+
+    @property
+    def holds(self) -> tuple[AdaptedHold, ...]:
+        """What is held, in the order of time."""
+        return self.motion.holds
 
     def summary(self) -> str:
         """What was adapted and by how much, in one line."""
@@ -119,7 +105,7 @@ def adapt(
     """Adapt a recorded motion to the things that it held.
 
     Args:
-        motion: The recorded motion, T frames.
+        motion: The recorded motion, T frames. Of one that was adapted, what it was recorded as.
         scene: With the recorded things as objects.
         body: The person's body; None: the default body.
         recorded: Name of an object -> its recorded poses, T frames.
@@ -134,6 +120,7 @@ def adapt(
 
     body = Body.default() if body is None else body
     settings = Settings() if settings is None else settings
+    motion = motion if motion.recorded is None else motion.recorded
     hands = [hand for side in SIDES if (hand := Hand.of(body, side)) is not None]
     out, holds = motion, []
     firmer = np.ones((len(motion), N_JOINTS))
@@ -163,11 +150,15 @@ def adapt(
                 if grip:
                     firmer = np.maximum(firmer, press.firmer(place.hand, timing.presses))
             parts = tuple(f"{place.hand.side}_wrist" for place in its)
-            holds.append(AdaptedHold(name, parts, hold.first, hold.last, force, tuple(moved)))
+            when, record = (hold.first, hold.last), (track.position, track.quaternion)
+            holds.append(AdaptedHold(name, parts, *when, force, tuple(moved), *record))
+    if not holds:
+        return Adaptation(motion)
     if (firmer > 1.0).any():
         usual = 1.0 if motion.stiffness_scale is None else motion.stiffness_scale
         out = replace(out, stiffness_scale=usual * firmer)
-    return Adaptation(out, motion, tuple(sorted(holds, key=lambda h: h.first)))
+    holds.sort(key=lambda h: h.first)
+    return Adaptation(replace(out, holds=tuple(holds), recorded=motion))
 
 
 def _force(

@@ -37,6 +37,9 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
 #: Exit codes for a user's mistake and for an interruption by Ctrl-C.
 MISTAKE, INTERRUPTED = 2, 130
 
+# A longer warning [characters] is told apart into its statements.
+_LONG = 240
+
 _USAGE = "usage: halfphysics COMMAND ...   (halfphysics COMMAND --help explains a command)"
 
 
@@ -122,6 +125,7 @@ def _as_options(message: str) -> str:
     """A message of the package with its arguments (fps=30) written as options (--fps 30)."""
     message = message.replace("frames=(start, stop)", "--frames START:STOP")
     message = message.replace("motion alone with Motion.load", "motion alone with --objects none")
+    message = re.sub(r"\b(ground|adapt|grip)=False\b", r"--no-\1", message)
     return re.sub(
         r"(?<![\w-])(fps|hands|model|gender|clip|assets|body|format)=(?:'([^']*)'|(\d[\w.]*))?",
         lambda found: f"--{found[1]} {found[2] or found[3] or ''}".rstrip(),
@@ -130,11 +134,16 @@ def _as_options(message: str) -> str:
 
 
 def _show_warning(other: Any, program: str) -> Any:
-    """A handler that prints our warnings as one line and passes other warnings to `other`."""
+    """A handler that prints our warnings and passes other warnings to `other`.
+
+    A warning is one line; a long one of several statements has each in a line of its own.
+    """
 
     def show(message: Any, category: type[Warning], *rest: Any, **named: Any) -> None:
         if issubclass(category, HalfPhysicsWarning):
-            print(f"{program}: warning: {_as_options(str(message))}", file=sys.stderr)
+            text = _as_options(str(message))
+            text = text if len(text) <= _LONG else text.replace("; ", "\n  ")
+            print(f"{program}: warning: {text}", file=sys.stderr)
         else:
             other(message, category, *rest, **named)
 

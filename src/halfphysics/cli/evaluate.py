@@ -73,7 +73,10 @@ class Command:
             bodies = [self.person.instead_of(p.body, p.motion) for p in people]
             people = [dataclasses.replace(p, body=b) for p, b in zip(people, bodies, strict=True)]
         if self.reference is not None:
+            # It is what measures compare with; what hands were to hold is still the result's.
             reference = Motion.load(self.reference)
+            if len(reference) == len(result):
+                reference = dataclasses.replace(reference, holds=people[0].reference.holds)
             people[0] = dataclasses.replace(people[0], reference=reference)
         result = dataclasses.replace(result, people=tuple(people))
         print(result.summary())

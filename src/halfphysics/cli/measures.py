@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def of_result(result: Result, person: int, *, progress: bool) -> str:
-    """Penetration of one person's skin into the scene and other people, before and after;
+    """Penetration of one person's skin into the scene and other people, recorded and simulated;
     `Result.summary` gives the other measures.
     """
     subject, others = result.people[person], {p.name: p for p in result.people}
@@ -33,12 +33,12 @@ def of_result(result: Result, person: int, *, progress: bool) -> str:
             progress=progress,
         )
 
-    before, after = measured("reference"), measured("motion")
+    before, after = measured("recorded"), measured("motion")
     rows: list[tuple[str, ...]] = [*_penetration(before, after)]
     if others:
         asked, got = (max(r.by_name[name].max() for name in others) for r in (before, after))
         rows.append(("deepest in other people [mm]", f"{asked:.2f}", f"{got:.2f}"))
-    motions = subject.reference, subject.motion
+    motions = subject.recorded, subject.motion
     if len(subject.motion) >= 4:
         jerks = (metrics.jerk(m, subject.body) for m in motions)
         rows.append(("jerk [m/s3]", *(f"{jerk:.1f}" for jerk in jerks)))

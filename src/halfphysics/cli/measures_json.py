@@ -21,7 +21,7 @@ def of_result(result: Result, person: int) -> dict[str, Any]:
     subject = result.people[person]
     others = {p.name: p for k, p in enumerate(result.people) if k != person}
     out: dict[str, Any] = {"name": subject.name}
-    for key, what in (("asked", "reference"), ("simulated", "motion")):
+    for key, what in (("asked", "recorded"), ("simulated", "motion")):
         motion = getattr(subject, what)
         out[key] = {
             "penetration": metrics.penetration(
@@ -43,9 +43,9 @@ def of_result(result: Result, person: int) -> dict[str, Any]:
             "physdiff": metrics.physdiff(motion, subject.body),
             "jerk": metrics.jerk(motion, subject.body) if len(motion) >= 4 else None,
         }
-    out["success"] = metrics.success(subject.motion, subject.reference)
-    out["mpjpe_mm"] = metrics.mpjpe(subject.motion, subject.reference, subject.body)
-    out["mpjpe_global_mm"] = metrics.mpjpe_global(subject.motion, subject.reference, subject.body)
+    out["success"] = metrics.success(subject.motion, subject.recorded)
+    out["mpjpe_mm"] = metrics.mpjpe(subject.motion, subject.recorded, subject.body)
+    out["mpjpe_global_mm"] = metrics.mpjpe_global(subject.motion, subject.recorded, subject.body)
     out["deviation"] = metrics.deviation(result, person)
     out["stance_slide"] = metrics.stance_slide(result, person)
     out["unsupported_weight"] = metrics.unsupported_weight(result, person)
@@ -54,6 +54,7 @@ def of_result(result: Result, person: int) -> dict[str, Any]:
     out["path_offset"] = metrics.path_offset(result, person)
     out["contact_precision"] = metrics.contact_precision(result)
     out["contact_forces"] = metrics.contact_forces(result)
+    out["holds"] = [report for report in result.holds if report.person == subject.name]
     return {name: plain(value) for name, value in out.items()}
 
 

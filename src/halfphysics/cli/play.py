@@ -101,9 +101,11 @@ class Command:
         from halfphysics.body.match import check_match
         from halfphysics.simulation.sequence import Sequence
 
-        found = self.motion_file.sequence(path)
-        motion, own = found.motions[0], found.bodies[0]
-        body = self.person.instead_of(own, motion)
+        found = self.motion_file.sequence(
+            path, body=self.person.instead_of, ground=self.scene.ground
+        )
+        motion = found.motions[0]
+        body = self.person.instead_of(found.bodies[0], motion)
         check_match(motion, body, allow_mismatch=self.person.allow_mismatch)
         return Sequence(motion, self.scene.load(found.scene), body, found.settings)
 

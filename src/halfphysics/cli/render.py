@@ -29,7 +29,7 @@ halfphysics render result.npz still.png --frame 120 --size 1280x720"""
 class Command:
     """Show results: a page to send (.html), a film (.mp4, .webm, .gif) or a picture (.png).
 
-    The suffix of OUT says which. Body and ghost (the reference) are drawn by the package
+    The suffix of OUT says which. Body and ghost (the motion as recorded) are drawn by the package
     itself: no GPU and no display are needed. Several results are shown together.
     """
 

@@ -57,17 +57,24 @@ class Command:
             )
         if self.out is not None:
             check_output(self.out, *self.motions, self.scene.scene, self.person.body)
-        sequences = [self.motion_file.sequence(path) for path in self.motions]
-        motions = [sequence.motions[0] for sequence in sequences]
+        settings = self.baseline.applied(self.settings)
+        sequences = [
+            self.motion_file.sequence(
+                path, body=self.person.instead_of, settings=settings, ground=self.scene.ground
+            )
+            for path in self.motions
+        ]
+        motions = [motion for sequence in sequences for motion in sequence.motions]
         scene = self.scene.load(self._recorded(sequences))
-        bodies = [self.person.instead_of(own, s.motions[0]) for s in sequences for own in s.bodies]
+        # `instead_of` has given everybody one.
+        bodies = [body for sequence in sequences for body in sequence.bodies if body is not None]
         if self.grounded:
             motions = [m.grounded(body) for m, body in zip(motions, bodies, strict=True)]
         result = simulate(
             motions,
             scene,
             body=bodies,
-            settings=self.baseline.applied(self.settings),
+            settings=settings,
             allow_mismatch=self.person.allow_mismatch,
             progress=progress(),
         )

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
+from halfphysics.base.reader_warnings import one_warning
 from halfphysics.base.validation import file_path
 from halfphysics.errors import InputError
 
 if TYPE_CHECKING:
+    from halfphysics.body.body import Body
     from halfphysics.body.shape_space import ShapeSpace
     from halfphysics.motion.motion import Motion
     from halfphysics.scene.scene import Scene
+    from halfphysics.settings import Settings
     from halfphysics.simulation.sequence import Sequence
 
 #: Name of the static that is added as a floor.
@@ -47,6 +50,12 @@ class MotionOptions:
     """Objects that the data set recorded: free from their first pose on, moved as recorded, or left
     out with the scene around them."""
 
+    adapt: bool = True
+    """Bring recorded hands onto the free objects that they hold; otherwise the motion stays as it
+    was recorded."""
+    grip: bool = True
+    """Let these hands press with what the object's weight needs; otherwise they only touch."""
+
     #: Name of the option `frames` in messages.
     FRAMES: ClassVar[str] = "frames"
 
@@ -56,15 +65,44 @@ class MotionOptions:
 
         return load_motion(path, **self._said())
 
-    def sequence(self, path: Path) -> Sequence:
-        """The motion in a file with the recorded objects and scene."""
-        from halfphysics.formats import load_sequence
+    def sequence(
+        self,
+        path: Path,
+        *,
+        body: Callable[[Body | None, Motion], Body] | None = None,
+        settings: Settings | None = None,
+        ground: bool = True,
+    ) -> Sequence:
+        """The motion in a file with the recorded objects and scene.
+
+        Args:
+            path: The file.
+            body: Makes the body of each person of the one of the data set (None: it has none) and
+                the motion; None: those of the data set. Hands are adapted to this body.
+            settings: How it will be simulated, which the force of hands depends on; None: as the
+                data set says.
+            ground: As of `load_sequence`.
+        """
+        from halfphysics.formats.registry import adapted, load_sequence
         from halfphysics.scene.scene import Scene
         from halfphysics.simulation.sequence import Sequence
 
-        if self.objects == "none":
-            return Sequence(self.load(path), Scene())
-        return load_sequence(path, objects=self.objects, **self._said())
+        with one_warning(path):
+            if self.objects == "none":
+                found = Sequence(self.load(path), Scene())
+            else:
+                found = load_sequence(
+                    path, objects=self.objects, adapt=False, ground=ground, **self._said()
+                )
+            if body is not None:
+                pairs = zip(found.bodies, found.motions, strict=True)
+                bodies = tuple(body(own, motion) for own, motion in pairs)
+                found = replace(found, body=bodies if len(bodies) > 1 else bodies[0])
+            if settings is not None:
+                found = replace(found, settings=settings)
+            if not self.adapt or self.objects != "free" or not found.recorded:
+                return found
+            return adapted(found, path, grip=self.grip)
 
     def _said(self) -> dict[str, Any]:
         return {

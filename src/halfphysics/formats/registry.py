@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
 import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from halfphysics.base.reader_warnings import warn
+from halfphysics.base.reader_warnings import one_warning, warn
 from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import body as checked_body
 from halfphysics.base.validation import file_path, frame_rate, shown
@@ -111,6 +110,7 @@ def load_sequence(
     *,
     objects: str = "free",
     adapt: bool = True,
+    grip: bool = True,
     ground: bool = True,
     fps: float | None = None,
     up: str | None = None,
@@ -130,14 +130,18 @@ def load_sequence(
             "replayed": kinematic along the recorded trajectory. `Sequence.recorded` has the
             recorded trajectory in both cases.
         adapt: Where recorded hands hold a free object they are brought onto it and press
-            (`halfphysics.adapt`; `Sequence.adaptations` has the motion as recorded). False: the
-            motion stays as it is.
+            (`halfphysics.adapt`; `Motion.recorded` is the motion as recorded, `Motion.holds` what
+            is held). False: the motion stays as it is.
+        grip: With `adapt`: hands press with what the load needs. False: they touch.
         ground: Where the data set brings free objects and nothing that stands, they get a floor
             named "ground", at the height of the lowest skin and of the lowest of the objects.
             False: none, and all falls.
 
     Returns:
         A `Sequence`; for a format without objects, the motion with an empty scene.
+
+    Warns:
+        HalfPhysicsWarning: All that was assumed and adapted, in one line.
 
     Raises:
         FileError, InputError: As `Motion.load`, and if an asset is missing.
@@ -149,30 +153,26 @@ def load_sequence(
         raise InputError(f"objects: found {shown(objects)}, expected 'free' or 'replayed'")
     options = _options(fps, up, hands, model, gender, frames, clip, assets, objects)
     source, format, options = _found(path, options)
-    if format.load_sequence is None:
-        return Sequence(format.load(source, options), Scene())
-    sequence = format.load_sequence(source, options)
-    if objects != "free" or not sequence.recorded:
-        return sequence
-    if ground and not sequence.scene.statics:
-        add_ground(sequence, source.path)
-    return _adapted(sequence, source.path) if adapt else sequence
+    with one_warning(source.path):
+        if format.load_sequence is None:
+            return Sequence(format.load(source, options), Scene())
+        sequence = format.load_sequence(source, options)
+        if objects != "free" or not sequence.recorded:
+            return sequence
+        if ground and not sequence.scene.statics:
+            add_ground(sequence, source.path)
+        return adapted(sequence, source.path, grip=grip) if adapt else sequence
 
 
-def _adapted(sequence: Sequence, path: Path) -> Sequence:
-    """The sequence with every person's hands at what they hold."""
-    from halfphysics.adaptation.adapt import adapt
+def adapted(sequence: Sequence, path: Path, *, grip: bool = True) -> Sequence:
+    """`Sequence.adapted`, and a warning that says what was adapted in the motion of a file."""
+    from halfphysics.adaptation.adapt import Adaptation
 
-    found = tuple(
-        adapt(motion, sequence.scene, body, sequence.recorded, settings=sequence.settings)
-        for motion, body in zip(sequence.motions, sequence.bodies, strict=True)
-    )
-    if not any(each.holds for each in found):
-        return sequence
-    warn(f"{path}: {'; '.join(each.summary() for each in found if each.holds)}")
-    motions = tuple(each.motion for each in found)
-    whole = motions[0] if isinstance(sequence.motion, Motion) else motions
-    return dataclasses.replace(sequence, motion=whole, adaptations=found)
+    sequence = sequence.adapted(grip=grip)
+    told = [Adaptation(motion).summary() for motion in sequence.motions if motion.holds]
+    if told:
+        warn(f"{path}: {'; '.join(told)}")
+    return sequence
 
 
 def save_motion(
@@ -200,6 +200,8 @@ def losses(motion: Motion, path: str | os.PathLike[str], format: str | None = No
     lost = list(writer.loses(motion))
     metadata = motion.origin
     template = None if metadata is None else metadata.fields.get("template")
+    if motion.holds:
+        lost.append("what the hands hold, and the motion as recorded (a result file keeps both)")
     if template is not None and metadata is not None and metadata.format != writer.name:
         lost.append(f"the subject's own shape: keep the template {template} beside it")
     return lost

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from halfphysics.base.reader_warnings import warn
 from halfphysics.base.validation import number, shown
-from halfphysics.errors import HalfPhysicsWarning, InputError, MissingDependencyError
+from halfphysics.errors import InputError, MissingDependencyError
 from halfphysics.geometry.convex_decomposition import (
     MEND,
     WARN_MM,
@@ -97,7 +97,7 @@ def touching(
             f"mass and inertia are spread over its {f'{many} pieces' if many > 1 else 'hull'}"
         )
     for text in said:  # shown at the caller of `Scene.add_object`
-        warnings.warn(f"{what}: {text}.", HalfPhysicsWarning, stacklevel=5)
+        warn(f"{what}: {text}.")
     if many == 1:
         return made.pieces[0], made
     return given if given.closed else joined(made.pieces), made

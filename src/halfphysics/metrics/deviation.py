@@ -1,4 +1,4 @@
-"""Deviation of a simulated motion from its reference, in and out of contact."""
+"""Deviation of a simulated motion from what was recorded, in and out of contact."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ GROUPS = ("trunk", "head", "arms", "hands", "legs", "feet", "all")
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Deviation:
-    """Mean deviation from the reference over some frames; all 0 if there are none.
+    """Mean deviation from what was recorded over some frames; all 0 if there are none.
 
     Attributes:
         frames: Number of frames.
-        root_mm: Distance of the root from that of the reference, in the world [mm].
-        root_deg: Angle between its rotation and that of the reference [deg].
-        local_mm: Distance of a group's joints from the reference's, both relative to their pelvis
+        root_mm: Distance of the root from that of the record, in the world [mm].
+        root_deg: Angle between its rotation and that of the record [deg].
+        local_mm: Distance of a group's joints from the record's, both relative to their pelvis
             without a rotation [mm]; by group.
         angle_deg: Angle between the rotations of a group's joints, in their parents' frames, and
-            the reference's [deg]; by group.
+            the record's [deg]; by group.
     """
 
     frames: int
@@ -47,7 +47,7 @@ class Deviation:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class IntentReport:
-    """Deviation of a person's motion from the reference.
+    """Deviation of a person's motion from what was recorded (`PersonResult.recorded`).
 
     Attributes:
         whole: Over all frames.
@@ -61,7 +61,9 @@ class IntentReport:
 
 
 def deviation(result: Result, person: int = 0, *, settle: float = SETTLE) -> IntentReport:
-    """Deviation of a person's simulated motion from the reference, by group of joints.
+    """Deviation of a person's simulated motion from what was recorded, by group of joints.
+
+    Hands that were adapted to what they hold deviate by that too, also where nothing touches.
 
     Args:
         result: The result of a simulation.
@@ -77,8 +79,8 @@ def deviation(result: Result, person: int = 0, *, settle: float = SETTLE) -> Int
     free = result.free_frames(person, settle)
     simulated = result.people[person]
     local = 1000.0 * simulated.joint_errors()[0]
-    angle = np.rad2deg(rot.angles(simulated.reference.rotations, simulated.motion.rotations))
-    shift = simulated.motion.translation - simulated.reference.translation
+    angle = np.rad2deg(rot.angles(simulated.recorded.rotations, simulated.motion.rotations))
+    shift = simulated.motion.translation - simulated.recorded.translation
     root = 1000.0 * np.linalg.norm(shift, axis=-1)
 
     def over(frames: NDArray[np.bool_]) -> Deviation:

@@ -35,9 +35,9 @@ class PartReport:
         contact: Whether the part carried an impulse during (t-1, t], from static geometry, an
             object or another person.
         force: Sum of the sizes of its contacts' impulses in that time, over its length [N].
-        displacement: Distance of its joint from that of the reference [m].
-        rotation: Angle between the joint's rotation, in its parent's frame, and the
-            reference's [rad]; of the pelvis in the world.
+        displacement: Distance of its joint from where it was recorded [m].
+        rotation: Angle between the joint's rotation, in its parent's frame, and the recorded
+            one [rad]; of the pelvis in the world.
     """
 
     clearance: Array
@@ -80,7 +80,7 @@ def part_reports(result: Result) -> tuple[PartReport, ...]:
                 contact=force > 0.0,
                 force=force,
                 displacement=person.joint_errors()[1],
-                rotation=rot.angles(person.reference.rotations, person.motion.rotations),
+                rotation=rot.angles(person.recorded.rotations, person.motion.rotations),
             )
         )
     return tuple(reports)

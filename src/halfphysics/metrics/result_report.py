@@ -13,6 +13,7 @@ from halfphysics.metrics.part_report import clearances
 from halfphysics.metrics.standing import standing
 from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.results.contacts import Contacts
+from halfphysics.results.hold_lines import hold_lines
 from halfphysics.results.result import SETTLE
 
 if TYPE_CHECKING:
@@ -37,6 +38,7 @@ def summary(result: Result) -> str:
     for index, person in enumerate(result.people):
         block = [
             *_following(result, index),
+            *hold_lines(result, index),
             *standing(result, index),
             *_touches(result, index),
             *_inside(result, result.inside[result.inside.person == index]),
@@ -61,24 +63,28 @@ def _head(result: Result) -> str:
 
 
 def _following(result: Result, index: int) -> list[str]:
-    """How exactly the motion was followed, and the largest deviation from it."""
+    """How exactly the motion was followed, and the largest deviation from what was recorded."""
     person = result.people[index]
-    shift = np.linalg.norm(person.motion.translation - person.reference.translation, axis=1)
+    shift = np.linalg.norm(person.motion.translation - person.recorded.translation, axis=1)
     root = (
         f"root off its path by {_length(shift.max())} at most, in {_when(result, shift.argmax())}, "
         f"and {_length(shift[-1])} at the end"
     )
     try:
-        local, everywhere = person.joint_errors()
+        local, everywhere = person.joint_errors(driven=True)
+        adapted = person.recorded is not person.reference
+        asked = person.joint_errors() if adapted else (local, everywhere)
     except HalfPhysicsError as error:
         return [f"joints not compared with the motion asked for: {error}", root]
     free = result.free_frames(index)
     if everywhere.max() < EXACT:
-        return [
+        followed = (
             f"followed exactly: no joint farther than {_length(everywhere.max())} from where the "
             "motion has it, in any frame"
-        ]
-    if not free.any():
+        )
+        if not adapted:
+            return [followed]
+    elif not free.any():
         followed = "never free of contact"
     else:
         # A body that was stopped keeps an offset of the root, which is reported with the root.
@@ -88,12 +94,13 @@ def _following(result: Result, index: int) -> list[str]:
             f"free of contact (for {SETTLE:g} s) in {int(free.sum())} of {len(free)} frames: {how} "
             f"there, no joint off by more than {_length(worst)} as seen from the pelvis"
         )
+    local, everywhere = asked
     frame, joint = np.unravel_index(everywhere.argmax(), everywhere.shape)
     return [
         followed,
-        f"from the motion asked for: MPJPE {_length(local.mean())}, MPJPE-g "
-        f"{_length(everywhere.mean())}; largest {JOINT_NAMES[joint]} "
-        f"{_length(everywhere.max())} in {_when(result, frame)}",
+        f"from the motion {'recorded' if adapted else 'asked for'}: MPJPE "
+        f"{_length(local.mean())}, MPJPE-g {_length(everywhere.mean())}; largest "
+        f"{JOINT_NAMES[joint]} {_length(everywhere.max())} in {_when(result, frame)}",
         root,
     ]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, overload
 
@@ -14,6 +15,7 @@ from halfphysics.base import validation
 from halfphysics.base.axes import axes_of, turned
 from halfphysics.base.validation import frame_rate, number
 from halfphysics.errors import InputError
+from halfphysics.motion.adapted_hold import AdaptedHold, check_adaptation
 from halfphysics.motion.file_metadata import FileMetadata
 from halfphysics.motion.pose import Pose, checked, checked_axes, checked_scale, flat_rotations
 from halfphysics.motion.resampling import interpolated, neighbours, sample_positions
@@ -53,10 +55,14 @@ class Motion:
         stiffness_scale: How much firmer than `Settings.stiffness` the person holds each joint on
             the way to each frame, as a factor (T, 55): arms that carry are tensed
             (`halfphysics.adapt`). None: 1 everywhere.
+        holds: What the hands are to hold, where the motion was adapted to it (`halfphysics.adapt`).
+        recorded: The motion as it was before that, frame by frame, which measures compare with;
+            None: it was not adapted. Motion files keep neither, result files keep both.
 
     Raises:
         InputError: A wrong shape, NaN, fewer than two frames, an fps that is not positive, a
-            root faster than 50 m/s, or an unknown gender or model.
+            root faster than 50 m/s, an unknown gender or model, or `holds` or `recorded` of other
+            frames.
     """
 
     translation: Array
@@ -68,6 +74,8 @@ class Motion:
     axes: Array = field(default_factory=lambda: np.eye(3), repr=False)
     origin: FileMetadata | None = field(default=None, repr=False)
     stiffness_scale: Array | None = field(default=None, repr=False)
+    holds: tuple[AdaptedHold, ...] = field(default=(), repr=False)
+    recorded: Motion | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         translation = checked("translation", self.translation, (None, 3), "(T, 3)")
@@ -100,12 +108,14 @@ class Motion:
             ("fps", fps),
             ("betas", betas),
             ("axes", checked_axes(self.axes)),
+            ("holds", tuple(self.holds)),
         ):
             object.__setattr__(self, name, value)
         if self.stiffness_scale is not None:
             expected = f"({frames}, {N_JOINTS})"
             scale = checked_scale(self.stiffness_scale, (frames, N_JOINTS), expected)
             object.__setattr__(self, "stiffness_scale", scale)
+        check_adaptation(self)
 
     def __repr__(self) -> str:
         shape = "no betas" if self.betas is None else f"{len(self.betas)} betas"
@@ -136,13 +146,7 @@ class Motion:
     def __getitem__(self, index: int | slice) -> Pose | Motion:
         """A `Pose` for an integer, a `Motion` for a slice; a step keeps real time (fps / step)."""
         if isinstance(index, slice):
-            step = 1 if index.step is None else abs(int(index.step))
-            metadata = None if self.origin is None else self.origin.taken(index)
-            scale = None if self.stiffness_scale is None else self.stiffness_scale[index]
-            return self._replaced(
-                *(self.translation[index], self.rotations[index]),
-                *(self.fps / max(step, 1), metadata, scale),
-            )
+            return self.changed(lambda motion: motion._taken(index))
         try:
             scale = None if self.stiffness_scale is None else self.stiffness_scale[index]
             return Pose(self.translation[index], self.rotations[index], self.axes, scale)
@@ -151,13 +155,33 @@ class Motion:
 
     # -- changing ------------------------------------------------------------------------
 
+    def _taken(self, index: slice) -> Motion:
+        """A slice; a step keeps real time."""
+        step = 1 if index.step is None else abs(int(index.step))
+        metadata = None if self.origin is None else self.origin.taken(index)
+        scale = None if self.stiffness_scale is None else self.stiffness_scale[index]
+        return self._replaced(
+            self.translation[index],
+            self.rotations[index],
+            self.fps / max(step, 1),
+            metadata,
+            scale,
+            self._holds_at(np.arange(len(self), dtype=np.float64)[index]),
+        )
+
+    def _holds_at(self, position: Array) -> tuple[AdaptedHold, ...]:
+        """The holds in a motion of these fractional frames (T,)."""
+        sampled = (hold.sampled(position) for hold in self.holds)
+        return tuple(hold for hold in sampled if hold is not None)
+
     def _replaced(
         self,
         translation: ArrayLike,
         rotations: ArrayLike,
         fps: float,
         metadata: FileMetadata | None,
-        stiffness_scale: Array | None,
+        stiffness_scale: Array | None = None,
+        holds: tuple[AdaptedHold, ...] = (),
     ) -> Motion:
         return Motion(
             np.asarray(translation, dtype=np.float64),
@@ -169,23 +193,40 @@ class Motion:
             axes=self.axes,
             origin=metadata,
             stiffness_scale=stiffness_scale,
+            holds=holds,
         )
+
+    def bare(self) -> Motion:
+        """The frames alone: without stiffness, what is to be held and what was recorded."""
+        if not self.holds and self.recorded is None and self.stiffness_scale is None:
+            return self
+        return dataclasses.replace(self, holds=(), recorded=None, stiffness_scale=None)
+
+    def changed(self, change: Callable[[Motion], Motion]) -> Motion:
+        """What `change` makes of the motion, with what it makes of the motion as recorded."""
+        if self.recorded is None:
+            return change(self)
+        made = change(dataclasses.replace(self, recorded=None))
+        return dataclasses.replace(made, recorded=change(self.recorded))
 
     def with_frames(
         self, translation: ArrayLike, rotations: ArrayLike, fps: float | None = None
     ) -> Motion:
         """The same person and file conventions with other frames (world frame, as in `Motion`).
 
-        Extra per-frame data, of the file and `stiffness_scale`, is kept while the number of frames
-        and fps stay.
+        Extra per-frame data of the file, `stiffness_scale`, `holds` and `recorded` are kept while
+        the number of frames and fps stay.
         """
         fps = self.fps if fps is None else fps
-        metadata, scale = self.origin, self.stiffness_scale
-        if len(np.asarray(translation)) != len(self) or fps != self.fps:
-            scale = None
-            if metadata is not None:
-                metadata = FileMetadata(format=metadata.format, fields=metadata.fields)
-        return self._replaced(translation, rotations, fps, metadata, scale)
+        metadata = self.origin
+        if len(np.asarray(translation)) == len(self) and fps == self.fps:
+            kept = self.stiffness_scale, self.holds
+            made = self._replaced(translation, rotations, fps, metadata, *kept)
+            known = self.recorded is not None
+            return dataclasses.replace(made, recorded=self.recorded) if known else made
+        if metadata is not None:
+            metadata = FileMetadata(format=metadata.format, fields=metadata.fields)
+        return self._replaced(translation, rotations, fps, metadata)
 
     def resample(self, fps: float) -> Motion:
         """The motion at another frame rate: SLERP of rotations, linear translation.
@@ -199,13 +240,18 @@ class Motion:
         """
         fps = frame_rate(fps, "60.0")
         position = sample_positions(len(self), self.fps, fps)
+        return self.changed(lambda motion: motion._sampled(position, fps))
+
+    def _sampled(self, position: Array, fps: float) -> Motion:
+        """The motion at fractional frames (T,)."""
         translation, rotations = interpolated(self.translation, self.rotations, position)
         metadata = None if self.origin is None else self.origin.sampled(position)
         scale = self.stiffness_scale
         if scale is not None:
             low, high, weight = neighbours(position)
             scale = scale[low] + weight[:, None] * (scale[high] - scale[low])
-        return self._replaced(translation, rotations, fps, metadata, scale)
+        holds = self._holds_at(position)
+        return self._replaced(translation, rotations, fps, metadata, scale, holds)
 
     def grounded(self, body: Body, z: float = 0.0, *, percentile: float = 0.0) -> Motion:
         """The motion moved along z so that its lowest skin vertex touches height `z` [m].
@@ -225,8 +271,8 @@ class Motion:
         for start in range(0, len(self), _CHUNK):
             frames = range(start, min(start + _CHUNK, len(self)))
             lowest[start : frames.stop] = body.vertices(self, frames=frames)[..., 2].min(axis=1)
-        shift = z - float(np.percentile(lowest, percentile))
-        return self.with_frames(self.translation + np.array([0.0, 0.0, shift]), self.rotations)
+        up = np.array([0.0, 0.0, z - float(np.percentile(lowest, percentile))])
+        return self.changed(lambda m: m.with_frames(m.translation + up, m.rotations))
 
     # -- the names of the smplx package ----------------------------------------------------
 
@@ -327,8 +373,10 @@ class Motion:
         if np.array_equal(self.axes, axes):
             return self
         shift = (self.axes - axes) @ body.rest_joints[0]
-        return dataclasses.replace(
-            self, translation=self.translation + shift, axes=axes, origin=None
+        return self.changed(
+            lambda m: dataclasses.replace(
+                m, translation=m.translation + shift, axes=axes, origin=None
+            )
         )
 
     # -- files -----------------------------------------------------------------------------

@@ -61,7 +61,7 @@ def key_frames(result: Result, count: int) -> list[int]:
             touched[pair] = min(frame, touched.get(pair, frame))
     apart = np.zeros(total)
     for p in result.people:
-        gap = p.body.joints(p.motion) - p.body.joints(p.reference)
+        gap = p.body.joints(p.motion) - p.body.joints(p.recorded)
         apart = np.maximum(apart, np.linalg.norm(gap, axis=2).max(axis=1))
     wanted = [*sorted(touched.values()), total - 1, 0]
     if apart.max() > 1e-3:
@@ -132,7 +132,7 @@ def save_contact_sheet(
     threads: int = 1,
     views: Sequence[Camera] | None = None,
 ) -> Path:
-    """Writes a PNG of key frames: body solid, ghost (the reference) translucent blue.
+    """Writes a PNG of key frames: body solid, ghost (the motion as recorded) translucent blue.
 
     One direction of view is chosen for all pictures so that body and ghost appear apart and few
     items hide them; a wall that still hides the story is drawn as glass.

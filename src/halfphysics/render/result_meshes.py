@@ -1,6 +1,6 @@
 """The meshes of a result at a frame, with colours, for pictures and for the viewer.
 
-The simulated person is solid, the reference is a translucent ghost; moving items have accent
+The simulated person is solid, what was recorded is a translucent ghost; moving items have accent
 colours, static ones are pale.
 """
 
@@ -160,7 +160,7 @@ class Drawing:
     def _extent(self) -> tuple[Array, Array]:
         points = [np.asarray(track.position) for track in self.result.objects.values()]
         for person in self.result.people:
-            points += [person.body.joints(m)[:, 0] for m in (person.motion, person.reference)]
+            points += [person.body.joints(m)[:, 0] for m in (person.motion, person.recorded)]
         stacked = np.concatenate(points)
         return stacked.min(axis=0), stacked.max(axis=0)
 
@@ -259,7 +259,7 @@ class Drawing:
         for k, person in enumerate(self.result.people):
             poses = [("person", person.motion)]
             if ghost:
-                poses.append(("ghost", person.reference))
+                poses.append(("ghost", person.recorded))
             for kind, motion in poses:
                 vertices = person.body.vertices(motion, frames=[frame])[0]
                 skin = self.skin(k, kind == "ghost")
@@ -283,7 +283,7 @@ class Drawing:
 
         Args:
             frame: Index, 0 to T-1.
-            ghost: Include the reference motion.
+            ghost: Include the motion as recorded.
             faint: Names of statics to draw as thin glass, because they hide the story.
         """
         return self.still(faint) | self.story(frame, ghost=ghost)

@@ -157,7 +157,7 @@ def _apart(drawing: Drawing, frames: Sequence[int]) -> Array:
     """Level directions from body to ghost, in frames where they are over a centimetre apart."""
     out = []
     for person in drawing.result.people:
-        bodies = [person.body.joints(m)[list(frames)] for m in (person.motion, person.reference)]
+        bodies = [person.body.joints(m)[list(frames)] for m in (person.motion, person.recorded)]
         offset = (bodies[1] - bodies[0]).mean(axis=1)
         out.append(offset[np.linalg.norm(offset, axis=1) > 0.01])
     return _level(np.concatenate(out))

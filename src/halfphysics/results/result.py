@@ -23,6 +23,7 @@ from halfphysics.motion.pose import checked
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.results.contacts import Contacts
 from halfphysics.results.deferred import Deferred, typed, typed_or_deferred
+from halfphysics.results.held import HeldReport, held
 from halfphysics.results.inside import Breaches, Inside
 from halfphysics.results.substeps import Substeps
 from halfphysics.results.surroundings import Surroundings
@@ -68,7 +69,8 @@ class PersonResult:
     Attributes:
         name: As in `Result.names`.
         motion: The simulated motion.
-        reference: The reference motion, with the same frames and frame rate.
+        reference: The reference motion, which the physics follows, with the same frames and frame
+            rate; `recorded` is what measures compare with.
         body: The person's body. In a result from a file it is loaded on first access; raises
             `FileError` if a licensed model is missing or has changed (see `Result.load`).
         torque: Torque of the drive on the joints (T, 55, 3) [N m], mean over (t-1, t], in the frame
@@ -115,6 +117,12 @@ class PersonResult:
         flags = checked("corrected", corrected, (count,), "(T,)") != 0.0
         flags.setflags(write=False)
         _set(self, "corrected", flags)
+        _set(self, "motion", self.motion.bare())  # what was to be held is the reference's
+
+    @property
+    def recorded(self) -> Motion:
+        """What was asked for: the reference, or what was recorded where it was adapted to it."""
+        return self.reference if self.reference.recorded is None else self.reference.recorded
 
     @cached_property
     def support(self) -> Support:
@@ -134,9 +142,14 @@ class PersonResult:
             )
         return support_of(self.motion, self.body, self.surroundings)
 
-    def joint_errors(self) -> tuple[Array, Array]:
-        """Distances (T, 55) [m] of joints from the reference: relative to the pelvis, global."""
-        p, q = self.body.joints(self.motion), self.body.joints(self.reference)
+    def joint_errors(self, *, driven: bool = False) -> tuple[Array, Array]:
+        """Distances (T, 55) [m] of joints from `recorded`: relative to the pelvis, global.
+
+        Args:
+            driven: From the `reference` instead: how exactly it was followed.
+        """
+        asked = self.reference if driven else self.recorded
+        p, q = self.body.joints(self.motion), self.body.joints(asked)
         local = np.linalg.norm((p - p[:, :1]) - (q - q[:, :1]), axis=-1)
         return local, np.linalg.norm(p - q, axis=-1)
 
@@ -291,6 +304,20 @@ class Result:
         return self.people[0].reference
 
     @property
+    def recorded(self) -> Motion:
+        """The first person's motion as recorded, see `PersonResult.recorded`."""
+        return self.people[0].recorded
+
+    @cached_property
+    def holds(self) -> tuple[HeldReport, ...]:
+        """What became of what hands were to hold: one entry for each hand of each hold.
+
+        Empty where no motion was adapted to what it holds (`halfphysics.adapt`, `load_sequence`),
+        and for things that the scene does not have.
+        """
+        return held(self)
+
+    @property
     def clock(self) -> Array:
         """Time of the first person's reference at every frame (T,) [s]."""
         return cast("Array", self.people[0].clock)
@@ -339,10 +366,10 @@ class Result:
     def summary(self) -> str:
         """The result in words and numbers, 10 to 20 lines for one person.
 
-        Accuracy of following, floating, slide of feet in stance, net force, contacts and their
-        forces, deviation from the reference, overlaps at the start, motion of objects, smallest
-        distance, lost time. Forces are impulses of a frame divided by its length. Missing files of
-        a loaded result (bodies, meshes) are named.
+        Accuracy of following, what was held and what failed of it, floating, slide of feet in
+        stance, net force, contacts and their forces, deviation from what was recorded, overlaps at
+        the start, motion of objects, smallest distance, lost time. Forces are impulses of a frame
+        divided by its length. Missing files of a loaded result (bodies, meshes) are named.
         """
         from halfphysics.metrics.result_report import summary
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from halfphysics.motion.motion import Motion
 from halfphysics.settings import Settings
 
 if TYPE_CHECKING:
-    from halfphysics.adaptation.adapt import Adaptation
     from halfphysics.body.body import Body
     from halfphysics.results.result import ObjectTrack
     from halfphysics.scene.scene import Scene
@@ -28,9 +27,6 @@ class Sequence:
         settings: How to simulate it.
         recorded: Name of an object -> how it moved in the data set, frame by frame of the motion;
             empty where nothing was recorded.
-        adaptations: Of every person whose motion was adapted to what it held, in the order of
-            `motions`, how (`halfphysics.adaptation.adapt.Adaptation`: with the motion as it was
-            recorded); empty where nothing was adapted.
     """
 
     motion: Motion | tuple[Motion, ...]
@@ -38,7 +34,6 @@ class Sequence:
     body: Body | tuple[Body, ...] | None = None
     settings: Settings = field(default_factory=Settings)
     recorded: Mapping[str, ObjectTrack] = field(default_factory=dict)
-    adaptations: tuple[Adaptation, ...] = ()
 
     @property
     def motions(self) -> tuple[Motion, ...]:
@@ -51,3 +46,27 @@ class Sequence:
         if isinstance(self.body, tuple):
             return self.body
         return (self.body,) * len(self.motions)
+
+    def adapted(self, *, grip: bool = True) -> Sequence:
+        """The sequence with every person's hands at what they hold (`halfphysics.adapt`).
+
+        What a motion was recorded as is adapted anew, to the body and the settings that are here:
+        `load_sequence` does it for those of the data set, after another body
+        (`dataclasses.replace(sequence, body=mine).adapted()`) it is due again.
+
+        Args:
+            grip: Hands press with what the load needs. False: they touch.
+
+        Returns:
+            A new sequence, with `Motion.holds` and `Motion.recorded`; this one where nothing is
+            held.
+        """
+        from halfphysics.adaptation.adapt import adapt
+
+        found = tuple(
+            adapt(motion, self.scene, body, self.recorded, settings=self.settings, grip=grip).motion
+            for motion, body in zip(self.motions, self.bodies, strict=True)
+        )
+        if all(a is b for a, b in zip(found, self.motions, strict=True)):
+            return self
+        return replace(self, motion=found[0] if isinstance(self.motion, Motion) else found)

@@ -144,7 +144,7 @@ def _span(drawing: Drawing, row: Array) -> tuple[float, float]:
     """
     reach = []
     for person in drawing.result.people:
-        for motion in (person.motion, person.reference):
+        for motion in (person.motion, person.recorded):
             along = person.body.joints(motion)[:, 0] @ row
             reach += [along.min() - _REACH, along.max() + _REACH]
     for item in drawing.statics.values():

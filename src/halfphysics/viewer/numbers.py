@@ -70,7 +70,7 @@ class Numbers:
         return f"{self._result.people[person].name}: {name}"
 
     def deviation(self, frame: int) -> list[tuple[str, float, str, float]]:
-        """Deviation of people from their references.
+        """Deviation of people from their recorded motions.
 
         Returns:
             For each person: name, mean over the joints [mm], the joint with the largest

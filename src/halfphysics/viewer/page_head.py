@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from halfphysics.render.rasterizer import Color
 from halfphysics.render.result_meshes import GHOST, PEOPLE, Drawing
+from halfphysics.results.hold_lines import hold_lines
 from halfphysics.viewer.arrange import Arrangement
 from halfphysics.viewer.contacts import KINDS
 from halfphysics.viewer.figure import rgb
@@ -86,7 +87,7 @@ def head(
 
 
 def _key(title: str, drawing: Drawing, contacts: Sequence[int], support: bool) -> str:
-    """HTML of the title and the meaning of the colours."""
+    """HTML of the title, the meaning of the colours, and what hands held."""
     people = len(drawing.result.people)
     bodies = [PEOPLE[k % len(PEOPLE)] for k in range(people)]
     entries = [([GHOST], "asked for"), (bodies, "with a body" if people == 1 else "with bodies")]
@@ -99,7 +100,10 @@ def _key(title: str, drawing: Drawing, contacts: Sequence[int], support: bool) -
         f"<span>{''.join(map(_patch, colors))}{html.escape(label)}</span>"
         for colors, label in entries
     )
-    return f"<b>{html.escape(title)}</b>{said}"
+    result = drawing.result
+    lines = [line for k in range(people) for line in hold_lines(result, k)] if result.holds else []
+    holds = "".join(f"<div>{html.escape(line)}</div>" for line in lines)
+    return f"<b>{html.escape(title)}</b>{said}{holds}"
 
 
 def _patch(color: Color) -> str:

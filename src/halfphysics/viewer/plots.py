@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Colours of lines, one per result or person; the reference motion is grey and dashed.
+#: Colours of lines, one per result or person; the recorded motion is grey and dashed.
 COLORS = ("#1f6fd6", "#d9480f", "#2b8a3e", "#9c36b5", "#0b7285", "#c2255c")
 _ASKED = "#8a94a0"
 _WARNING = "#f03e3e"
@@ -40,7 +40,7 @@ class Line:
         label: Name of the line.
         time: (T,) [s].
         value: (T,); nan where there is no value.
-        dashed: Draw dashed and grey: the reference motion.
+        dashed: Draw dashed and grey: the recorded motion.
         warning: Draw wide and red: what should not be.
     """
 
@@ -77,7 +77,7 @@ def force(results: Sequence[Result], labels: Sequence[str]) -> list[Line]:
 def speed(results: Sequence[Result], labels: Sequence[str], what: str) -> list[Line]:
     """Speed of a point of the people (see `POINTS`) or of an object [m/s].
 
-    One line per result and person, and the reference of the people of the first result.
+    One line per result and person, and the recorded motion of the people of the first result.
     """
     lines = []
     for index, (result, label) in enumerate(zip(results, labels, strict=True)):
@@ -92,7 +92,7 @@ def speed(results: Sequence[Result], labels: Sequence[str], what: str) -> list[L
             name = label if len(result.people) == 1 else f"{label} {person.name}".strip()
             lines.append(_speed(name, result, person.body.joints(person.motion)[:, joint]))
             if index == 0:
-                track = person.body.joints(person.reference)[:, joint]
+                track = person.body.joints(person.recorded)[:, joint]
                 asked.append(_speed("asked for", result, track, dashed=True))
         lines += asked
     return lines

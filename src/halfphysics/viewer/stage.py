@@ -142,7 +142,7 @@ class Stage:
         self.people: list[Figure] = []
         self.ghosts: list[Figure] = []
         for k, person in enumerate(self.drawing.result.people):
-            motions = (person.motion, person.reference)
+            motions = (person.motion, person.recorded)
             frames = tuple(person.body.joint_frames(motion) for motion in motions)
             joints = None if live else moving_joints(*(q for _, q in frames))
             for kind, figures in zip(_KINDS, (self.people, self.ghosts), strict=True):

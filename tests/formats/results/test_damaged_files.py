@@ -24,7 +24,7 @@ def body():
 @pytest.fixture(scope="module")
 def saved(body, tmp_path_factory):
     path = tmp_path_factory.mktemp("saved") / "r.npz"
-    make_result(body, people=2).save(path)
+    make_result(body, people=2, holds=2).save(path)
     with np.load(path) as file:
         return {key: file[key] for key in file}, path.read_bytes()
 
@@ -86,6 +86,10 @@ def _json_of(value):
         ("meta/people", _json_of([]), "no people"),
         ("meta/people", _json_of([{"name": "a"}]), "body of person 0"),
         ("meta/people", np.zeros(3), "expected JSON text"),
+        ("meta/hold/1/position", None, "field 'meta/hold/1/position' is missing"),
+        ("person/1/hold/0/position", np.zeros((4, 3)), r"quaternion: found shape \(5, 4\)"),
+        ("meta/recorded_rotations", np.zeros((4, 55, 3)), "rotations: found 4 frames"),
+        ("meta/recorded_rotations", None, "field 'meta/recorded_rotations' is missing"),
         ("meta/settings", _json_of({"stiffness": -1.0}), "stiffness is -1.0"),
         ("meta/settings", _json_of({"stifness": 1.0}), "unknown settings .'stifness'"),
         ("meta/scene", _json_of({"statics": {}}), "field 'meta/scene': found.*expected version"),
@@ -116,6 +120,31 @@ def test_wrong_fields(tmp_path, saved, key, value, message):
     with pytest.raises(FileError, match=message) as caught:
         Result.load(path)
     assert str(path) in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("holds", "message"),
+    [
+        ("both", "holds of person 0: found 'both', expected a list"),
+        ([{"object": "ball"}], "holds of person 0: found .*expected object, parts, first"),
+        ({"parts": "left_wrist"}, "expected lists of parts and of moved"),
+        ({"parts": [[]]}, "expected one of JOINT_NAMES"),
+        ({"object": None}, "expected the name of an object"),
+        ({"first": None}, "found frames None to 4"),
+        ({"force": "much"}, "force: expected a number"),
+    ],
+)
+def test_wrong_holds(tmp_path, saved, holds, message):
+    fields = dict(saved[0])
+    people = json.loads(str(fields["meta/people"]))
+    if isinstance(holds, dict):
+        people[0]["holds"][0] |= holds
+    else:
+        people[0]["holds"] = holds
+    fields["meta/people"] = _json_of(people)
+    write_npz(tmp_path / "r.npz", fields)
+    with pytest.raises(FileError, match=message):
+        Result.load(tmp_path / "r.npz")
 
 
 def test_contacts_beyond_the_result_are_refused(tmp_path, saved):

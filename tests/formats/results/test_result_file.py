@@ -34,16 +34,18 @@ def body():
     frames=st.integers(2, 6),
     axes=st.sampled_from("zy"),
     model=st.sampled_from(["smplx", "smplh", "smpl"]),
+    holds=st.integers(0, 2),
 )
 @settings(
     max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
-def test_a_file_gives_back_every_bit(tmp_path, body, seed, people, frames, axes, model):
-    result = make_result(body, seed, people, frames, axes, model=model)
+def test_a_file_gives_back_every_bit(tmp_path, body, seed, people, frames, axes, model, holds):
+    result = make_result(body, seed, people, frames, axes, model=model, holds=holds)
     path = tmp_path / "result.npz"
     result.save(path)
     loaded = Result.load(path)
     assert_same(result, loaded)
+    assert loaded.holds == result.holds
     before, after = result.scene, loaded.scene
     np.testing.assert_array_equal(before.gravity, after.gravity)
     assert before.friction_pairs == after.friction_pairs

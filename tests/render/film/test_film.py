@@ -157,7 +157,7 @@ def test_two_results_are_seen_from_the_same_place_and_the_shorter_waits():
     longer, shorter = small_result(), small_result()
     person = longer.people[0]
     cut = SimpleNamespace(**vars(person) | {"motion": person.motion[:8]})
-    cut.reference = person.reference[:8]
+    cut.recorded = person.recorded[:8]
     ball = longer.objects["ball"]
     track_cut = SimpleNamespace(position=ball.position[:8], quaternion=ball.quaternion[:8])
     shorter = SimpleNamespace(**vars(longer) | {"people": (cut,), "motion": cut.motion})

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 
 from halfphysics.base.axes import axes_of
 from halfphysics.geometry.shapes import Box, Capsule, Plane, Sphere
+from halfphysics.motion.adapted_hold import AdaptedHold
 from halfphysics.motion.motion import Motion
 from halfphysics.results.contacts import Contacts
 from halfphysics.results.inside import Breaches, Inside
@@ -14,8 +17,10 @@ from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
 
 
-def make_result(body, seed=0, people=1, frames=5, axes="z", scene=None, model="smplx", **changes):
-    """A result of random numbers."""
+def make_result(
+    body, seed=0, people=1, frames=5, axes="z", scene=None, model="smplx", holds=0, **changes
+):
+    """A result of random numbers; of each person so many holds, and a motion as recorded."""
     rng = np.random.default_rng(seed)
 
     def random():
@@ -25,6 +30,20 @@ def make_result(body, seed=0, people=1, frames=5, axes="z", scene=None, model="s
         shape = {"betas": rng.normal(size=4), "gender": "female", "model": model}
         reference = Motion(*random(), 29.97, **shape, axes=axes_of(axes))
         motion = reference.with_frames(*random())
+        if holds:
+            held = tuple(
+                AdaptedHold(
+                    "ball", ("left_wrist", "right_wrist")[: 1 + k % 2], k, frames - 1,
+                    rng.uniform(0.0, 99.0), tuple(rng.uniform(0.0, 0.1, 1 + k % 2)),
+                    rng.normal(size=(frames, 3)), rng.normal(size=(frames, 4)),
+                )
+                for k in range(holds)
+            )  # fmt: skip
+            recorded = reference.with_frames(*random())
+            scale = rng.uniform(1.0, 30.0, (frames, 55))
+            reference = dataclasses.replace(
+                reference, holds=held, recorded=recorded, stiffness_scale=scale
+            )
         return PersonResult(name=name, motion=motion, reference=reference, body=body)
 
     def track(n):
@@ -93,10 +112,19 @@ def assert_same(a: Result, b: Result) -> None:
     assert len(a.people) == len(b.people)
     for p, q in zip(a.people, b.people, strict=True):
         assert p.name == q.name
-        for m, n in ((p.motion, q.motion), (p.reference, q.reference)):
+        pairs = (p.motion, q.motion), (p.reference, q.reference), (p.recorded, q.recorded)
+        for m, n in pairs:
             for field in ("translation", "rotations", "axes", "betas"):
                 np.testing.assert_array_equal(getattr(m, field), getattr(n, field))
+            assert (m.stiffness_scale is None) == (n.stiffness_scale is None)
+            if m.stiffness_scale is not None:
+                np.testing.assert_array_equal(m.stiffness_scale, n.stiffness_scale)
             assert (m.fps, m.gender, m.model) == (n.fps, n.gender, n.model)
+            assert (m.recorded is None) == (n.recorded is None)
+            assert len(m.holds) == len(n.holds)
+        for one, other in zip(p.reference.holds, q.reference.holds, strict=True):
+            for field in dataclasses.fields(one):
+                np.testing.assert_array_equal(getattr(one, field.name), getattr(other, field.name))
         np.testing.assert_array_equal(p.body.rest_vertices, q.body.rest_vertices)
 
 

@@ -79,6 +79,7 @@ def small_result() -> SimpleNamespace:
     someone = SimpleNamespace(
         motion=motion,
         reference=reference,
+        recorded=reference,
         body=body,
         name="person",
         joint_errors=lambda: (np.zeros_like(off), off),
@@ -94,4 +95,5 @@ def small_result() -> SimpleNamespace:
         clearance=clearance,
         settings=SimpleNamespace(clearance_range=0.05, stiffness=1.0),
         fps=FPS,
+        holds=(),
     )

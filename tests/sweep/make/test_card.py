@@ -15,6 +15,7 @@ import halfphysics as hp
 from halfphysics.base.json_files import text_of
 from halfphysics.baselines import options_of
 from halfphysics.labels import events
+from halfphysics.motion.adapted_hold import AdaptedHold
 from halfphysics.motion.motion import Motion
 from halfphysics.results.inside import Inside
 from halfphysics.results.result import ObjectTrack
@@ -98,6 +99,21 @@ def test_a_card_says_what_happened():
     assert found["travel_max"] == pytest.approx(0.8)
     assert found["clearance_min"] == result.settings.clearance_range  # no item is nearer
     assert found["events"]["drops"][0]["onto"] == "floor"
+    assert found["held"] == []  # no hand was adapted to it
+
+
+def test_a_card_says_what_adapted_hands_did():
+    result = held()
+    (person,) = result.people
+    still = np.tile([1.0, 0.0, 0.0, 0.0], (90, 1))
+    hold = AdaptedHold("box", ("left_wrist",), 10, 50, 40.0, (0.02,), np.zeros((90, 3)), still)
+    reference = replace(person.reference, holds=(hold,), recorded=person.reference)
+    adapted = replace(person, body=person.body, reference=reference)
+    found = card(changed(result, people=(adapted,)))
+    (hand,) = found["held"]
+    assert (hand["object"], hand["part"], hand["asked"]) == ("box", "left_wrist", 40.0)
+    assert hand["start"] == pytest.approx(10 / 30.0)
+    json.dumps(found, allow_nan=False)
 
 
 def test_what_holds_people_up_is_in_the_card_of_a_plan_that_asks():

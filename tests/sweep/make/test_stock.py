@@ -1,6 +1,7 @@
 """Inputs of variants: read once, cached in bounded number, named by content."""
 
 import hashlib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import trimesh
 
 import halfphysics as hp
 from halfphysics.errors import FileError
+from halfphysics.formats.loading import MotionOptions
 from halfphysics.sweep.make.kept import Kept
 from halfphysics.sweep.make.stock import Stock
 from halfphysics.sweep.plan.choices import BodyChoice, SceneChoice
@@ -161,3 +163,46 @@ def test_the_subject_s_body_keeps_its_template(recorded):
     assert not np.array_equal(other.rest_vertices, own.rest_vertices)
     short = shop.make(clip(recorded, ground=False, factors={"body.stature": 1.6})).bodies[0]
     assert (short.model, short.stature) == ("free", pytest.approx(1.6))
+
+
+@pytest.mark.filterwarnings("ignore:.*what 'suitcase' weighs")
+def test_hands_are_adapted_to_each_variant_s_body_and_settings(carried_file):
+    shop = workshop()
+
+    def made(body=None, settings=None, **options):
+        factors = {f"settings.{name}": value for name, value in (settings or {}).items()}
+        return shop.make(clip(carried_file, body, factors=factors, **options))
+
+    own = made()
+    sequence = MotionOptions().sequence(carried_file)
+    assert np.array_equal(own.motions[0].rotations, sequence.motion.rotations)
+    assert made().motions[0] is own.motions[0]  # neighbours share it
+    bare, touching = made(adapt=False).motions[0], made(grip=False).motions[0]
+    assert bare.holds == ()
+    assert np.array_equal(bare.rotations, own.motions[0].recorded.rotations)
+    assert touching.holds[0].force == 0.0
+    small = made(body=BodyChoice(stature=1.6))
+    again = replace(sequence, body=small.bodies[0]).adapted()
+    assert np.array_equal(small.motions[0].rotations, again.motion.rotations)
+    firm = made(settings={"stiffness": 4.0})
+    again = replace(sequence, settings=firm.settings).adapted()
+    assert np.array_equal(firm.motions[0].rotations, again.motion.rotations)
+
+
+@pytest.mark.filterwarnings("ignore:.*what 'suitcase' weighs")
+def test_a_motion_that_is_changed_is_compared_with_its_record_changed_alike(carried_file):
+    shop = workshop(grounded=True)
+    said = {"motion.yaw": 90.0, "motion.offset_x": 1.0, "motion.speed": 2.0}
+    (motion,) = shop.make(clip(carried_file, factors=said)).motions
+    usual = MotionOptions().sequence(carried_file).motion[::2]
+    assert len(motion) == len(motion.recorded) == len(usual)
+    assert (motion.fps, motion.recorded.fps) == (30.0, 30.0)
+    # As far apart as before; the arms are moved, the rest is as recorded.
+    body = MotionOptions().sequence(carried_file).body
+    apart = [
+        np.linalg.norm(body.joints(m) - body.joints(m.recorded), axis=2) for m in (motion, usual)
+    ]
+    assert np.abs(apart[0] - apart[1]).max() < 1e-9
+    assert apart[0].max() > 0.01
+    (hold,), (before,) = motion.holds, usual.holds
+    assert (hold.first, hold.last) == (before.first, before.last)

@@ -49,5 +49,5 @@ def add_ground(sequence: Sequence, path: Path) -> None:
     sequence.scene.add_static(GROUND, Plane(offset=height))
     warn(
         f"{path}: nothing says where the floor is: one named {GROUND!r} is put under the lowest "
-        f"skin and object, at {height:.3f} m; ground=False leaves it out"
+        f"skin and object, at {height:.3f} m (ground=False: none)"
     )

@@ -10,6 +10,8 @@ JOINT = "joint/"
 CONTACT = "contact/"
 INSIDE = "inside/"
 BREACHES = "breaches/"
+#: After the prefix of a person: the records of the things that are held, by number of the hold.
+HOLD = "hold/"
 SUBSTEPS = "meta/substeps/"
 DIAGNOSTICS = "meta/diagnostics/"
 

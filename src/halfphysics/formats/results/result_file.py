@@ -26,6 +26,7 @@ from halfphysics.formats.results.keys import (
     BREACHES,
     CONTACT,
     DIAGNOSTICS,
+    HOLD,
     INSIDE,
     JOINT,
     OBJECT,
@@ -34,6 +35,7 @@ from halfphysics.formats.results.keys import (
     VERSION_KEY,
     person_prefix,
 )
+from halfphysics.motion.adapted_hold import AdaptedHold
 from halfphysics.motion.motion import Motion
 from halfphysics.results.contacts import Contacts
 from halfphysics.results.inside import Breaches, Inside
@@ -204,10 +206,22 @@ def _person(npz: Npz, index: int, data: Any, fps: float, body: Any) -> PersonRes
     motion = Motion(
         _field(npz, f"{prefix}translation"), _field(npz, f"{prefix}rotations"), **common
     )
+    if f"{prefix}recorded_translation" in npz:
+        recorded = Motion(
+            _field(npz, f"{prefix}recorded_translation"),
+            _field(npz, f"{prefix}recorded_rotations"),
+            **common,
+        )
+    else:
+        recorded = None
+    scale = f"{prefix}stiffness_scale"
     reference = Motion(
         _field(npz, f"{prefix}reference_translation"),
         _field(npz, f"{prefix}reference_rotations"),
         **common,
+        stiffness_scale=_field(npz, scale) if scale in npz else None,
+        holds=_holds(npz, prefix, data.get("holds", []), index),
+        recorded=recorded,
     )
     if index == 0:
         motion, reference = _with_metadata(npz.path, motion, reference)
@@ -221,6 +235,27 @@ def _person(npz: Npz, index: int, data: Any, fps: float, body: Any) -> PersonRes
         body=body,
         **there,
     )
+
+
+def _holds(npz: Npz, prefix: str, data: Any, index: int) -> tuple[AdaptedHold, ...]:
+    """What a person was to hold; older files have none."""
+    what = f"field 'meta/people', holds of person {index}"
+    if not isinstance(data, list):
+        raise InputError(f"{what}: found {shown(data)}, expected a list")
+    keys = ("object", "parts", "first", "last", "force", "moved")
+    holds = []
+    for k, each in enumerate(data):
+        hold = checked_document(each, what, keys)
+        if not isinstance(hold["parts"], list) or not isinstance(hold["moved"], list):
+            raise InputError(f"{what}: found {shown(hold)}, expected lists of parts and of moved")
+        holds.append(
+            AdaptedHold(
+                **{key: hold[key] for key in keys},
+                position=_field(npz, f"{prefix}{HOLD}{k}/position"),
+                quaternion=_field(npz, f"{prefix}{HOLD}{k}/quaternion"),
+            )
+        )
+    return tuple(holds)
 
 
 #: Fields of a person that not every file has.

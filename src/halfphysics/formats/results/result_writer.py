@@ -19,6 +19,7 @@ from halfphysics.formats.results.keys import (
     BREACHES,
     CONTACT,
     DIAGNOSTICS,
+    HOLD,
     INSIDE,
     JOINT,
     OBJECT,
@@ -27,6 +28,7 @@ from halfphysics.formats.results.keys import (
     VERSION_KEY,
     person_prefix,
 )
+from halfphysics.motion.adapted_hold import AdaptedHold
 from halfphysics.results.records import BodyRecord, SceneRecord
 from halfphysics.results.result import ObjectTrack, PersonResult, Result
 from halfphysics.results.table import Table
@@ -93,6 +95,14 @@ def _person_fields(prefix: str, person: PersonResult) -> Fields:
         f"{prefix}reference_translation": person.reference.translation,
         f"{prefix}reference_rotations": person.reference.rotations,
     }
+    if person.reference.stiffness_scale is not None:
+        fields[f"{prefix}stiffness_scale"] = person.reference.stiffness_scale
+    if person.reference.recorded is not None:
+        fields[f"{prefix}recorded_translation"] = person.recorded.translation
+        fields[f"{prefix}recorded_rotations"] = person.recorded.rotations
+    for k, hold in enumerate(person.reference.holds):
+        fields[f"{prefix}{HOLD}{k}/position"] = hold.position
+        fields[f"{prefix}{HOLD}{k}/quaternion"] = hold.quaternion
     if person.torque is not None:
         fields[f"{prefix}torque"] = person.torque
     if person.corrected is not None and person.corrected.any():
@@ -106,7 +116,7 @@ def _person_fields(prefix: str, person: PersonResult) -> Fields:
 def _person_document(person: PersonResult) -> dict[str, Any]:
     body = vars(person)["_body"]
     record = body if isinstance(body, BodyRecord) else BodyRecord.of(body)
-    motion = person.motion
+    motion, holds = person.motion, person.reference.holds
     return {
         "name": person.name,
         "gender": motion.gender,
@@ -114,6 +124,19 @@ def _person_document(person: PersonResult) -> dict[str, Any]:
         "betas": None if motion.betas is None else motion.betas.tolist(),
         "axes": motion.axes.tolist(),
         "body": dict(record.data),
+        **({"holds": [_hold_document(hold) for hold in holds]} if holds else {}),
+    }
+
+
+def _hold_document(hold: AdaptedHold) -> dict[str, Any]:
+    """A hold without the record of the thing."""
+    return {
+        "object": hold.object,
+        "parts": list(hold.parts),
+        "first": hold.first,
+        "last": hold.last,
+        "force": hold.force,
+        "moved": list(hold.moved),
     }
 
 

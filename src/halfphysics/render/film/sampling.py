@@ -24,11 +24,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class DrawnPerson:
-    """A person as drawn: the body, the simulated motion and the reference."""
+    """A person as drawn: the body, the simulated motion and the recorded one."""
 
     body: Body
     motion: Motion
-    reference: Motion
+    recorded: Motion
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,7 +64,7 @@ def sampled(result: Result, frames: Array) -> Sampled:
             DrawnPerson(
                 body=person.body,
                 motion=_motion(person.motion, low, high, weight),
-                reference=_motion(person.reference, low, high, weight),
+                recorded=_motion(person.recorded, low, high, weight),
             )
             for person in result.people
         ),

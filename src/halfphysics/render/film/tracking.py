@@ -47,7 +47,7 @@ class Story:
         for drawing in drawings:
             own = []
             for person in drawing.result.people:
-                motions = (person.motion, person.reference) if ghost else (person.motion,)
+                motions = (person.motion, person.recorded) if ghost else (person.motion,)
                 own += [person.body.joints(m) for m in motions]
             people = np.concatenate(own, axis=1)
             joints.append(people)

@@ -198,6 +198,7 @@ def _happened(result: Result, labels: Labelled, events: Events) -> dict[str, Any
         "slips": len(slips),
         "slid": sum(slip.distance for slip in slips),
         "drops": len(events.drops),
+        "held": plain(list(result.holds)),
         "objects": objects,
         "travel_max": max((its["travel"] or 0.0 for its in objects.values()), default=0.0),
         "events": events.document(),
@@ -215,7 +216,7 @@ def _support(result: Result) -> dict[str, float | None]:
 
 
 def _deviation(people: Iterable[PersonResult]) -> tuple[Array, Array]:
-    """Distances of all joints from the reference [m]: relative to the pelvis, and in the world."""
+    """Distances of all joints from the record [m]: relative to the pelvis, and in the world."""
     pairs = [person.joint_errors() for person in people]
     return np.stack([p[0] for p in pairs]), np.stack([p[1] for p in pairs])
 

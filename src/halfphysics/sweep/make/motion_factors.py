@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -47,7 +48,9 @@ def retimed(motions: Sequence[Motion], said: Mapping[str, float]) -> tuple[Motio
     made = []
     for motion in motions:
         fps = said.get("fps", motion.fps)
-        quick = motion if speed == 1.0 else replace(motion, fps=speed * motion.fps)
+        quick = motion
+        if speed != 1.0:
+            quick = motion.changed(lambda its: replace(its, fps=speed * its.fps))
         made.append(quick if quick.fps == fps else quick.resample(fps))
     return tuple(made)
 
@@ -63,16 +66,20 @@ def placed(
     pelvises = [m.axes @ b.rest_joints[0] for m, b in zip(motions, bodies, strict=True)]
     centre = motions[0].translation[0] + pelvises[0]
     turn = np.array([np.cos(0.5 * angle), 0.0, 0.0, np.sin(0.5 * angle)])
-    made = []
-    for motion, pelvis in zip(motions, pelvises, strict=True):
+
+    def moved(motion: Motion, pelvis: Array) -> Motion:
         translation, rotations = motion.translation, motion.rotations
         if angle != 0.0:
             way = translation + pelvis - centre
             translation = centre + rot.rotate(turn, way) - pelvis
             rotations = np.array(rotations)
             rotations[:, 0] = rot.log(rot.multiply(turn, rot.exp(rotations[:, 0])))
-        made.append(motion.with_frames(translation + offset, rotations))
-    return tuple(made)
+        return motion.with_frames(translation + offset, rotations)
+
+    return tuple(
+        motion.changed(partial(moved, pelvis=pelvis))
+        for motion, pelvis in zip(motions, pelvises, strict=True)
+    )
 
 
 def recorded_in_step(scene: Scene, speed: float) -> Scene:

@@ -7,13 +7,14 @@ alone, not on earlier requests.
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from halfphysics.base.digests import sha256_of
+from halfphysics.baselines.options import options_of
 from halfphysics.errors import FileError, InputError
 from halfphysics.formats.datasets.assets import noted
 from halfphysics.formats.loading import betas_for, furnished, model_for
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from halfphysics.geometry.mesh import MeshSource
     from halfphysics.motion.motion import Motion
     from halfphysics.scene.scene import Scene
+    from halfphysics.settings import Settings
     from halfphysics.simulation.sequence import Sequence as Clip
     from halfphysics.sweep.plan.choices import BodyChoice, SceneChoice
     from halfphysics.sweep.plan.inputs import Input
@@ -64,6 +66,7 @@ class Stock:
         self._clips: Kept[tuple[Any, Loaded]] = Kept(CLIPS)
         self._models: Kept[ShapeSpace] = Kept(MODELS)
         self._bodies: Kept[Body] = Kept(BODIES)
+        self._adapted: Kept[tuple[Any, Loaded]] = Kept(BODIES)
         self._grounded: Kept[tuple[Any, tuple[Motion, ...]]] = Kept(BODIES)
         self._timed: Kept[tuple[Any, tuple[Motion, ...]]] = Kept(BODIES)
         self._scenes: Kept[tuple[Any, Furnished]] = Kept(SCENES)
@@ -164,6 +167,30 @@ class Stock:
         key = (str(path), space.model, space.gender, full.tobytes())
         return self._bodies.get(key, lambda: Body.shaped(space, full))
 
+    def adapted(
+        self, input: Input, loaded: Loaded, bodies: tuple[Body, ...], settings: Settings
+    ) -> Loaded:
+        """The clip with hands adapted to what they hold, of these bodies with these settings.
+
+        Weights and frictions are those before any factor: a thing that is made heavier may slip.
+        """
+        clip = loaded.clip
+        if input.kind != "file" or not clip.recorded:
+            return loaded
+        options = input.motion_options
+        if not options.adapt or options.objects != "free":
+            return loaded
+
+        def make() -> tuple[Any, Loaded]:
+            own = bodies if len(bodies) > 1 else bodies[0]
+            ready = replace(clip, body=own, settings=settings).adapted(grip=options.grip)
+            # A clip in which nothing is held stays the clip: what was made of it is found again.
+            made = loaded if ready.motions == clip.motions else replace(loaded, clip=ready)
+            return (loaded, bodies), made
+
+        said = _key(options_of(settings)), options.grip
+        return self._adapted.get((id(loaded), *map(id, bodies), said), make)[1]
+
     def grounded(self, loaded: Loaded, bodies: tuple[Body, ...]) -> tuple[Motion, ...]:
         """The clip's motions, each with its lowest skin vertex at z = 0."""
 
@@ -204,7 +231,7 @@ class Stock:
     def _read(self, input: Input) -> Loaded:
         options, path = input.motion_options, Path(input.path or input.name)
         with noted() as others:
-            clip = options.sequence(path)
+            clip = replace(options, adapt=False).sequence(path)
         if options.model is not None and Path(options.model).is_file():
             others.append(Path(options.model))
         # The scene lists the meshes.

@@ -1,8 +1,9 @@
 """From a variant to the arguments of `simulate`, and to its result.
 
-The order: read the input (or build the scenario), choose and shape the body, put the motions on the
-ground if the plan requires it, change their speed and frame rate, rotate and move them; then build
-the scene and change it item by item. `stock` caches the data that neighbouring variants share.
+The order: read the input (or build the scenario), choose and shape the body, bring recorded hands
+onto what they hold, put the motions on the ground if the plan requires it, change their speed and
+frame rate, rotate and move them; then build the scene and change it item by item. `stock` caches
+the data that neighbouring variants share.
 """
 
 from __future__ import annotations
@@ -80,8 +81,11 @@ class Workshop:
         said = _by_group(variant.factors)
         timing = said_of_motion(variant.factors)
         loaded, bodies = self._people(variant, said)
-        clip = loaded.clip
-        motions = self._stock.grounded(loaded, bodies) if self._plan.grounded else clip.motions
+        settings = _settings(loaded.clip.settings, self._plan.settings, said["settings"])
+        acted = self._stock.adapted(variant.input, loaded, bodies, settings)
+        motions = acted.clip.motions
+        if self._plan.grounded:
+            motions = self._stock.grounded(acted, bodies)
         motions = placed(self._stock.timed(motions, timing), bodies, timing)
         around = self._stock.scene(
             variant.scene, loaded, variant.input.ground, timing.get("speed", 1.0)
@@ -96,7 +100,7 @@ class Workshop:
             motions=motions,
             scene=self._items.varied(around.scene, variant.factors),
             bodies=bodies,
-            settings=_settings(clip.settings, self._plan.settings, said["settings"]),
+            settings=settings,
             sources=tuple({(s["path"], s["sha256"]): s for s in files}.values()),
             allow_mismatch=variant.body.allow_mismatch,
         )

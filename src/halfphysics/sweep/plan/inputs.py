@@ -35,7 +35,7 @@ class Inputs:
             a pattern that ends in a slash matches folders, for data sets with one folder per clip.
         scenarios: Names of scenarios; these or files.
         options: For files the fields of `io.asked.MotionOptions` (fps, up, hands, model, gender,
-            frames, clip, assets, objects), for scenarios their own options.
+            frames, clip, assets, objects, adapt, grip), for scenarios their own options.
         ground: Add a floor at z = 0 if the scene has no plane.
     """
 
@@ -249,6 +249,9 @@ def _motion_options(options: dict[str, Any]) -> dict[str, Any]:
     for name in ("model", "clip", "frames"):
         if name in options and (not isinstance(options[name], str) or not options[name]):
             raise InputError(f"{name}: found {shown(options[name])}, expected text")
+    for name in ("adapt", "grip"):
+        if not isinstance(options.get(name, True), bool):
+            raise InputError(f"{name}: found {shown(options[name])}, expected true or false")
     if "fps" in options:
         frame_rate(options["fps"])
     if "frames" in options:

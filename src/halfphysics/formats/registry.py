@@ -21,6 +21,8 @@ from halfphysics.formats.bvh import bvh
 from halfphysics.formats.datasets import (
     aist,
     arctic,
+    behave,
+    core4d,
     grab,
     intermimic,
     motionx,
@@ -28,7 +30,7 @@ from halfphysics.formats.datasets import (
     trumans_clip,
     trumans_release,
 )
-from halfphysics.formats.datasets.ground import add_ground
+from halfphysics.formats.datasets.ground import add_ground, needs_ground
 from halfphysics.formats.format import Assets, Format, Options, Source
 from halfphysics.motion.motion import GENDERS, MODELS, Motion
 
@@ -54,6 +56,8 @@ __all__ = [
 FORMATS: dict[str, Format] = {
     format.name: format
     for format in (
+        behave.FORMAT,  # before AMASS, which has fields of the same names and another axis up
+        core4d.FORMAT,
         amass_smplx.FORMAT,
         amass_smplh.FORMAT,
         amass_smpl.FORMAT,
@@ -132,7 +136,7 @@ def load_sequence(
         adapt: Where recorded hands hold a free object they are brought onto it and press
             (`halfphysics.adapt`; `Sequence.adaptations` has the motion as recorded). False: the
             motion stays as it is.
-        ground: Where the data set brings free objects and nothing that stands, they get a floor
+        ground: Where the data set brings free objects and nothing to stand on, they get a floor
             named "ground", at the height of the lowest skin and of the lowest of the objects.
             False: none, and all falls.
 
@@ -154,7 +158,7 @@ def load_sequence(
     sequence = format.load_sequence(source, options)
     if objects != "free" or not sequence.recorded:
         return sequence
-    if ground and not sequence.scene.statics:
+    if ground and needs_ground(sequence):
         add_ground(sequence, source.path)
     return _adapted(sequence, source.path) if adapt else sequence
 

@@ -68,7 +68,7 @@ def run(case, how="bare", layout=MEMORY):
         "simulating_s": time.perf_counter() - adapted,
         "size_mm": its.size_mm,
         **change(its.recorded, its.motion, its.body, its.made.hold, sides),
-        **figures(result, its.made),
+        **figures(result, its.made, its.middle),
     }
     row["failed"] = failed(row)
     row["held"] = held(row)

@@ -18,7 +18,14 @@ from halfphysics.errors import HalfPhysicsWarning
 from halfphysics.motion.skeleton import PARENTS
 from support.carries.acting import hand_joints, parts_of
 from support.carries.cases import all_cases
-from support.carries.figures import Carry, angle_deg, carry_figures, change_figures, untouched
+from support.carries.figures import (
+    Carry,
+    angle_deg,
+    carry_figures,
+    carry_of,
+    change_figures,
+    untouched,
+)
 from support.carries.files import LAYOUTS
 from support.carries.files.omomo import ASIDE, SCALE, omomo_clip, write_omomo
 from support.carries.files.written import at_rate
@@ -360,6 +367,23 @@ def test_figures_of_a_perfect_carry():
     assert row["early_mm"] == row["pushed_mm"] == 0.0
     assert failed(row) == []
     assert held(row)
+
+
+def test_places_are_those_of_the_middle_of_the_thing():
+    """Whatever the frame of its mesh is."""
+    middle, turn = np.array([0.3, -0.2, 0.1]), rot.exp([0.0, 0.0, np.pi / 2])
+    thing = SimpleNamespace(position=np.zeros((3, 3)), quaternion=np.tile(turn, (3, 1)))
+    made = recording(Case("glass"))
+    rows = SimpleNamespace(part=np.zeros(0, int), person=np.zeros(0, int), other=np.zeros(0, int))
+    for name in ("frame", "normal", "impulse"):
+        setattr(rows, name, np.zeros((0, 3)))
+    person = SimpleNamespace(body=made.body, motion=made.motion)
+    result = SimpleNamespace(
+        people=[person], contacts=rows, names=("glass",), objects={"glass": thing}, fps=30.0
+    )
+    found = carry_of(result, made, middle).position
+    assert np.abs(found - [0.2, 0.3, 0.1]).max() < EXACT
+    assert np.abs(carry_of(result, made).position).max() == 0.0
 
 
 def test_figures_of_a_thing_that_stays():

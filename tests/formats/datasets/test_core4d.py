@@ -14,6 +14,7 @@ from halfphysics.base import rotations as rot
 from halfphysics.base.axes import axes_of
 from halfphysics.errors import HalfPhysicsWarning
 from halfphysics.motion.skeleton import BODY_JOINTS, JOINT_INDEX, PARENTS
+from support.carries.files.core4d import FINGERS, tips_of
 from support.files.layouts import movement, quiet
 from support.files.linear_blend import lbs
 from support.files.model_files import fields as model_fields
@@ -26,7 +27,6 @@ load_sequence = partial(hp.load_sequence, ground=False)
 FRAMES = 12
 #: Positions are in single precision [m].
 SINGLE = 1e-5
-FINGERS = ("thumb", "index", "middle", "ring", "pinky")
 
 
 def body(number: int) -> hp.Body:
@@ -42,10 +42,13 @@ def movements(number: int) -> hp.Motion:
     """All joints bent, y-up in the file; fingers without a turn about their bones."""
     translation, r = movement(FRAMES, seed=number, up="y")
     r[:, 22:25] = 0.0
-    rest = hp.Body.default().rest_joints
+    free, ends = hp.Body.default(), {}
+    for row, vertex in tips_of(free).items():
+        side, finger = ("left", "right")[(row - 66) // 5], FINGERS[(row - 66) % 5]
+        ends[JOINT_INDEX[f"{side}_{finger}3"]] = free.rest_vertices[vertex]
     for joint in range(25, 55):  # their turn about the bone is not in joint positions
-        ahead = joint + 1 if joint % 3 != 0 else joint  # 25, 26 -> the next; 27: as 26
-        bone = rest[ahead] - rest[ahead - 1]
+        end = ends[joint] if joint in ends else free.rest_joints[joint + 1]
+        bone = end - free.rest_joints[joint]
         unit = bone / np.linalg.norm(bone)
         r[:, joint] -= (r[:, joint] @ unit)[:, None] * unit
     return hp.Motion(translation, r, 15.0)
@@ -55,12 +58,9 @@ def fields(number: int) -> dict:
     """One person's file, with the joints of SMPL-X and the tips of the fingers."""
     motion, own = movements(number), body(number)
     joints = np.zeros((FRAMES, 127, 3))
-    places, turns = own.joint_frames(motion)
-    joints[:, :55] = places
-    for k, (side, finger) in enumerate((s, f) for s in ("left", "right") for f in FINGERS):
-        last = JOINT_INDEX[f"{side}_{finger}3"]
-        bone = hp.Body.default().rest_joints[last] - hp.Body.default().rest_joints[last - 1]
-        joints[:, 66 + k] = places[:, last] + rot.rotate(turns[:, last], 0.8 * bone)
+    joints[:, :55] = own.joints(motion)
+    tips = tips_of(own)
+    joints[:, list(tips)] = own.vertices(motion, indices=list(tips.values()))
     return {
         "betas": np.tile(np.linspace(0.5, -0.5, 10), (FRAMES, 1)).astype(np.float32),
         "expression": np.zeros((FRAMES, 10), np.float32),
@@ -116,6 +116,18 @@ def test_two_people_have_the_recorded_joints(data_set):
         want = body(number).joint_frames(movements(number))[1]
         want = rot.multiply(rot.from_matrix(axes_of("y")), want)
         assert (np.abs(np.sum(turned * want, axis=-1)) > 1.0 - 1e-8).all()
+
+
+def test_flat_hands_stay_flat(data_set):
+    """What rounding and the place of the tips make of them is no recorded finger."""
+    motion, own = movements(1), body(1)
+    motion = motion.with_frames(motion.translation, np.where(
+        np.arange(55)[:, None] >= 25, 0.0, motion.rotations))  # fmt: skip
+    content, tips = fields(1), tips_of(own)
+    content["joints"][:, :55] = own.joints(motion)
+    content["joints"][:, list(tips)] = own.vertices(motion, indices=list(tips.values())) + 0.002
+    put_person(data_set, 1, content)
+    assert not quiet(data_set).motions[0].rotations[:, 25:].any()
 
 
 def test_one_file_is_one_motion_and_both_a_sequence(data_set):

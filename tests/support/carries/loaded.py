@@ -29,13 +29,15 @@ class Loaded:
     Attributes:
         sequence: Motions as adapted, the scene with the stands that the layout does not have.
         recorded: The carrier's motion as it was recorded.
-        made: The recording at the rate of the layout, its track that of the file.
+        made: The recording at the rate of the layout.
+        middle: Of the thing, in the frame of its object in the scene (3,) [m].
         size_mm: Largest distance of a joint of the carrier's body from where it was recorded.
     """
 
     sequence: Sequence
     recorded: object
     made: Recording
+    middle: np.ndarray
     size_mm: float
 
     @property
@@ -54,7 +56,7 @@ def loaded(made: Recording, layout: str, how: str) -> Loaded:
     if layout == MEMORY:
         sequence = made.sequence()
         prepared = sequence if how == "bare" else _adapted(sequence, how)
-        return Loaded(prepared, sequence.motion, made, 0.0)
+        return Loaded(prepared, sequence.motion, made, np.zeros(3), 0.0)
     module, fps = LAYOUTS[layout]
     made = at_rate(made, fps)
     with tempfile.TemporaryDirectory() as folder:
@@ -77,7 +79,8 @@ def loaded(made: Recording, layout: str, how: str) -> Loaded:
     return Loaded(
         sequence,
         recorded,
-        replace(made, track=track),
+        made,
+        written.middle,
         float(1000.0 * np.linalg.norm(away, axis=-1).max()),
     )
 

@@ -54,6 +54,8 @@ _HANDS = ("left_hand_pose", "right_hand_pose")
 _COMPONENTS = 12
 #: Finger -> its tip in `joints` of the left hand; those of the right hand are five later.
 _TIPS = {"thumb": 66, "index": 67, "middle": 68, "ring": 69, "pinky": 70}
+#: Fingers that are bent by less than this in the whole clip are flat [rad].
+_FLAT = 0.005
 #: Positions and rotations in single precision agree to this [m].
 _AGREE = 0.01
 #: Other names of the object's poses, in prepared copies of the data set.
@@ -208,10 +210,12 @@ def fingers_by_places(side: str, places: Array, wrist: Array) -> Array:
         places: `joints` of the file (T, J, 3) [m]; with J > 75 the tips are among them.
         wrist: Its rotation in the same axes (T, 4).
 
-    Every joint turns by the smallest rotation that takes the free body's bone to the next joint;
-    the last one, where there are no tips, as the one before it.
+    Every joint turns by the smallest rotation that takes the free body's bone to the next joint,
+    or to the tip; the last one, where there are no tips, as the one before it. A hand that is flat
+    but for what rounding and the place of the tips make of it has no rotations.
     """
-    rest = np.asarray(Body.default().rest_joints)
+    free = Body.default()
+    rest = np.asarray(free.rest_joints)
     first = (skeleton.LEFT_HAND_JOINTS if side == "left" else skeleton.RIGHT_HAND_JOINTS)[0]
     out = np.zeros((len(places), 15, 3))
     for finger, tip in _TIPS.items():
@@ -220,13 +224,22 @@ def fingers_by_places(side: str, places: Array, wrist: Array) -> Array:
         ends = [*chain[1:], tip]
         turn = wrist
         for k, (joint, end) in enumerate(zip(chain, ends, strict=True)):
-            bone = rest[chain[min(k + 1, 2)]] - rest[chain[min(k, 1)]]
+            bone = rest[end] - rest[joint] if k < 2 else _tip(free, joint) - rest[joint]
             if end < places.shape[1]:
                 seen = rot.rotate(rot.conjugate(turn), places[:, end] - places[:, joint])
                 local = _smallest(bone, seen)
             turn = rot.multiply(turn, local)
             out[:, joint - first] = rot.log(local)
-    return out
+    bent = [joint - first for f in _TIPS for joint in (JOINT_INDEX[f"{side}_{f}{k}"] for k in "12")]
+    return out if np.abs(out[:, bent]).max(initial=0.0) > _FLAT else np.zeros_like(out)
+
+
+def _tip(body: Body, last: int) -> Array:
+    """The tip of a finger at rest (3,) [m]: of its last joint, the skin that is farthest along."""
+    own = np.flatnonzero(np.argmax(body.weights, axis=1) == last)
+    skin = body.rest_vertices[own]
+    along = body.rest_joints[last] - body.rest_joints[last - 1]
+    return np.asarray(skin[np.argmax(skin @ along)])
 
 
 def _smallest(bone: Array, seen: Array) -> Array:

@@ -19,7 +19,14 @@ from support.files.layouts import movement, quiet
 from support.files.linear_blend import lbs
 from support.files.model_files import fields as model_fields
 from support.files.model_files import write_npz
-from support.files.wrong_files import Boom, changed, put, refused, usual
+from support.files.wrong_files import (
+    Boom,
+    broken_bytes_are_refused,
+    changed,
+    put,
+    refused,
+    usual,
+)
 
 #: As the data set has it: tests of the floor that is added are in test_ground.py.
 load_sequence = partial(hp.load_sequence, ground=False)
@@ -254,3 +261,8 @@ def test_hostile_files(data_set, tmp_path):
     with pytest.raises(hp.HalfPhysicsError, match="unsafe or unknown content"):
         quiet(data_set)
     assert not mark.exists()
+
+
+def test_broken_files(data_set):
+    put_person(data_set, 1, {k: v for k, v in fields(1).items() if k != "vertices"})
+    broken_bytes_are_refused(data_set / "person1_poses.npz")

@@ -30,6 +30,7 @@ from halfphysics.body.model_files import read_hands
 from halfphysics.errors import FileError
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.datasets.assets import find, note
+from halfphysics.formats.datasets.fingers_from_joints import fingers_from_joints
 from halfphysics.formats.datasets.recorded import add_recorded, of_file
 from halfphysics.formats.datasets.shape_from_joints import bones_of, default_like
 from halfphysics.formats.datasets.size_from_motion import body_by_motion
@@ -52,10 +53,6 @@ _FIELD = "arr_0"
 _KEYS = {"global_orient", "transl", "body_pose"}
 _HANDS = ("left_hand_pose", "right_hand_pose")
 _COMPONENTS = 12
-#: Finger -> its tip in `joints` of the left hand; those of the right hand are five later.
-_TIPS = {"thumb": 66, "index": 67, "middle": 68, "ring": 69, "pinky": 70}
-#: Fingers that are bent by less than this in the whole clip are flat [rad].
-_FLAT = 0.005
 #: Positions and rotations in single precision agree to this [m].
 _AGREE = 0.01
 #: Other names of the object's poses, in prepared copies of the data set.
@@ -189,7 +186,7 @@ def _hands(
         return {}
     turns = _world_turns(rotations)
     return {
-        joints: fingers_by_places(side, places, turns[:, JOINT_INDEX[f"{side}_wrist"]])
+        joints: fingers_from_joints(side, places, turns[:, JOINT_INDEX[f"{side}_wrist"]])
         for side, joints in sides.items()
     }
 
@@ -200,58 +197,6 @@ def _world_turns(rotations: Array) -> Array:
     for joint in range(1, N_JOINTS):
         turns[:, joint] = rot.multiply(turns[:, skeleton.PARENTS[joint]], turns[:, joint])
     return turns
-
-
-def fingers_by_places(side: str, places: Array, wrist: Array) -> Array:
-    """Rotations of a hand's 15 joints (T, 15, 3) from where its joints are.
-
-    Args:
-        side: "left" or "right".
-        places: `joints` of the file (T, J, 3) [m]; with J > 75 the tips are among them.
-        wrist: Its rotation in the same axes (T, 4).
-
-    Every joint turns by the smallest rotation that takes the free body's bone to the next joint,
-    or to the tip; the last one, where there are no tips, as the one before it. A hand that is flat
-    but for what rounding and the place of the tips make of it has no rotations.
-    """
-    free = Body.default()
-    rest = np.asarray(free.rest_joints)
-    first = (skeleton.LEFT_HAND_JOINTS if side == "left" else skeleton.RIGHT_HAND_JOINTS)[0]
-    out = np.zeros((len(places), 15, 3))
-    for finger, tip in _TIPS.items():
-        chain = [JOINT_INDEX[f"{side}_{finger}{k}"] for k in (1, 2, 3)]
-        tip += 0 if side == "left" else len(_TIPS)
-        ends = [*chain[1:], tip]
-        turn = wrist
-        for k, (joint, end) in enumerate(zip(chain, ends, strict=True)):
-            bone = rest[end] - rest[joint] if k < 2 else _tip(free, joint) - rest[joint]
-            if end < places.shape[1]:
-                seen = rot.rotate(rot.conjugate(turn), places[:, end] - places[:, joint])
-                local = _smallest(bone, seen)
-            turn = rot.multiply(turn, local)
-            out[:, joint - first] = rot.log(local)
-    bent = [joint - first for f in _TIPS for joint in (JOINT_INDEX[f"{side}_{f}{k}"] for k in "12")]
-    return out if np.abs(out[:, bent]).max(initial=0.0) > _FLAT else np.zeros_like(out)
-
-
-def _tip(body: Body, last: int) -> Array:
-    """The tip of a finger at rest (3,) [m]: of its last joint, the skin that is farthest along."""
-    own = np.flatnonzero(np.argmax(body.weights, axis=1) == last)
-    skin = body.rest_vertices[own]
-    along = body.rest_joints[last] - body.rest_joints[last - 1]
-    return np.asarray(skin[np.argmax(skin @ along)])
-
-
-def _smallest(bone: Array, seen: Array) -> Array:
-    """The smallest rotations (T, 4) that take a direction (3,) to others (T, 3)."""
-    unit = bone / np.linalg.norm(bone)
-    lengths = np.linalg.norm(seen, axis=1, keepdims=True)
-    others = np.where(lengths > 0.0, seen / np.maximum(lengths, 1e-300), unit)
-    halves = np.concatenate([1.0 + (others @ unit)[:, None], np.cross(unit, others)], axis=1)
-    flat = np.linalg.norm(halves, axis=1) < 1e-9  # half a turn: about any axis across
-    across = np.cross(unit, np.eye(3)[np.argmin(np.abs(unit))])
-    halves[flat] = np.r_[0.0, across]
-    return rot.normalize(halves)
 
 
 def _body(record: Record, places: Array, translation: Array, rotations: Array) -> Body:

@@ -2,8 +2,8 @@
 
 The `smplx` package gives 127 positions: the 55 joints, then landmarks of the skin, of which 66 to
 70 are the tips of thumb, index, middle, ring and little finger of the left hand, and 71 to 75 those
-of the right. Every joint turns by the smallest rotation that takes the free body's bone to the next joint, or to
-the tip; a turn about the bone itself is not in positions.
+of the right. Every joint turns by the smallest rotation that takes the free body's bone to the next
+joint, or to the tip; a turn about the bone itself is not in positions.
 """
 
 from __future__ import annotations

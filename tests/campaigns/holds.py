@@ -1,26 +1,29 @@
 """Whether recorded hands hold recorded things: authored recordings of carries, bare and adapted.
 
     PYTHONPATH=src:tests python -m campaigns.holds --log holds.jsonl [--how adapted]
-                          [--layout mixed|memory|omomo|intermimic|grab|behave|arctic|core4d]
+                          [--layout mixed|each|memory|omomo|grab|...]
                           [--only suitcase,-gap-] [--case ID] [--seconds 600] [--shard 0/2]
                           [--summary] [--against other.jsonl]
 
 `bare` simulates a recording as it is, `adapted` what `halfphysics.adapt` makes of its motion,
 `contact` the same without a grip. Every case is written as a file of a data set's layout, the
-layouts in turn (`mixed`), all in one, or not at all (`memory`), and loaded by `load_sequence` with
-its defaults; what things stand on is added where the layout has none. One row of figures a case
-(`support.carries.figures`), each with its limit (`support.carries.limits`); a star in the table
-marks a figure that misses it. Logged cases are not run again; rows of all kinds may share a log.
-`--against` compares with another log (or the same one) case by case, with its `--against-how` rows.
+layouts in turn (`mixed`), in all (`each`) or in one, or not at all (`memory`), and loaded by
+`load_sequence` with its defaults; what things stand on is added where the layout has none. One row
+of figures a case (`support.carries.figures`), each with its limit (`support.carries.limits`); a
+star in the table marks a figure that misses it. Logged cases are not run again; rows of all kinds
+may share a log. `--against` compares with another log (or the same one) case by case, with its
+`--against-how` rows.
 """
 
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
 import sys
 import time
 import warnings
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -35,8 +38,10 @@ from support.carries.people import bones_work
 from support.carries.recordings import recording
 
 HOWS = ("bare", "contact", "adapted")
-#: All layouts in turn.
-MIXED = "mixed"
+#: All layouts in turn; every case in all layouts and from memory.
+MIXED, EACH = "mixed", "each"
+#: The recording of the last case, which may be run in several layouts.
+recorded_as = lru_cache(maxsize=1)(recording)
 
 
 def run(case, how="bare", layout=MEMORY):
@@ -44,7 +49,7 @@ def run(case, how="bare", layout=MEMORY):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         begin = time.perf_counter()
-        made = recording(case)
+        made = recorded_as(case)
         recorded = time.perf_counter()
         its = loaded(made, layout, how)
         adapted = time.perf_counter()
@@ -133,9 +138,10 @@ def main():
     p.add_argument("--how", choices=HOWS, default="bare")
     p.add_argument(
         "--layout",
-        choices=(MIXED, MEMORY, *LAYOUTS),
+        choices=(MIXED, EACH, MEMORY, *LAYOUTS),
         default=MIXED,
-        help="the data set as whose file a case is written and loaded; mixed: all in turn",
+        help="the data set as whose file a case is written and loaded; mixed: all in turn; each: "
+        "every case in all, and from memory",
     )
     p.add_argument("--seconds", type=float, default=np.inf)
     p.add_argument("--shard", default="0/1", help="k/n: every n-th case from k on")
@@ -157,7 +163,13 @@ def main():
     order = np.random.default_rng(0).permutation(len(cases))[k::n]  # any part is a fair sample
     cases = [cases[i] for i in sorted(order)]
     seconds = -1.0 if options.summary else options.seconds
-    rows = campaign(cases, options.log, options.how, seconds, layout)
+    if options.layout == EACH:
+        end, rows = time.monotonic() + seconds, []
+        for case, name in itertools.product(cases, (MEMORY, *LAYOUTS)):
+            left = end - time.monotonic()
+            rows += campaign([case], options.log, options.how, left, {case.id: name})
+    else:
+        rows = campaign(cases, options.log, options.how, seconds, layout)
     print(table(rows))
     print()
     print(summary(rows))

@@ -92,7 +92,7 @@ def layouts(cases, layout=MIXED):
     """The layout of every case, by id: one of all, or all in turn."""
     names = list(LAYOUTS)
     return {
-        case.id: names[k % len(names)] if layout == MIXED else layout
+        case.id: names[k % len(names)] if layout in (MIXED, EACH) else layout
         for k, case in enumerate(cases)
     }
 

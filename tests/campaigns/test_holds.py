@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
-from campaigns.holds import MIXED, campaign, layouts, run
+from campaigns.holds import MIXED, campaign, layouts, main, run
 from halfphysics.base import rotations as rot
 from halfphysics.errors import HalfPhysicsWarning
 from halfphysics.motion.skeleton import PARENTS
@@ -269,6 +269,17 @@ def test_rows_of_layouts_are_kept_apart(tmp_path):
     assert campaign(cases, log, seconds=-1.0) == [memory]
     heads = summary([memory, row]).splitlines()[0].split()
     assert heads[-2:] == ["behave", "memory"]
+
+
+def test_every_case_in_each_layout(tmp_path, monkeypatch, capsys):
+    log = tmp_path / "rows.jsonl"
+    words = ["holds", "--layout", "each", "--only", "mug-turn-air", "--log", str(log)]
+    monkeypatch.setattr(sys, "argv", words)
+    main()
+    rows = [json.loads(line) for line in log.read_text().splitlines()]
+    assert [row["layout"] for row in rows] == [MEMORY, *LAYOUTS]
+    assert len({row["id"] for row in rows}) == 1
+    assert "size mm <= 5" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("layout", ["grab", "core4d"])

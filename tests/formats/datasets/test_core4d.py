@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import warnings
 from functools import partial
 
@@ -103,7 +104,8 @@ def data_set(tmp_path):
     meshes.mkdir(parents=True)
     for number in (1, 2):
         put_person(folder, number, fields(number))
-    np.save(folder / "object_poses_chair001.npy", poses())
+    np.save(folder / "smooth_objposes.npy", poses())
+    (folder / "object_metadata.json").write_text(json.dumps({"obj_name": "Chair001"}))
     box = trimesh.creation.box((0.4, 0.3, 0.5))
     box.apply_translation((0.1, 0.0, 0.2))
     box.export(meshes / "chair001_m.obj")
@@ -159,6 +161,13 @@ def test_the_object(data_set):
     assert np.array_equal(item.position, track.position[0])
     part = quiet(data_set, frames=(2, 8), objects="replayed")
     assert np.array_equal(part.scene.objects["chair001"].positions, track.position[2:8])
+
+
+def test_the_objects_name_may_be_in_the_file_of_its_poses(data_set):
+    asked = quiet(data_set).recorded["chair001"]
+    (data_set / "object_metadata.json").unlink()
+    (data_set / "smooth_objposes.npy").rename(data_set / "object_poses_chair001.npy")
+    assert np.array_equal(quiet(data_set).recorded["chair001"].position, asked.position)
 
 
 def test_the_users_model_unfolds_the_hands_and_gives_the_body(data_set, tmp_path):
@@ -228,25 +237,32 @@ def test_other_wrong_files(data_set):
     second = data_set / "person2_poses.npz"
     with pytest.raises(hp.HalfPhysicsError, match=r"holds two people.*person1_poses.npz or"):
         hp.Motion.load(data_set)
-    np.save(data_set / "object_poses_chair002.npy", poses())
-    refused(data_set, "chair001.npy, object_poses_chair002.npy, expected.*one object")
-    (data_set / "object_poses_chair002.npy").unlink()
+    track = data_set / "smooth_objposes.npy"
     bent = poses()
     bent[3, :3, :3] *= 1.1
-    np.save(data_set / "object_poses_chair001.npy", bent)
+    np.save(track, bent)
     with pytest.raises(hp.HalfPhysicsError, match="matrix of frame 3 is no rotation"):
         quiet(data_set)
-    np.save(data_set / "object_poses_chair001.npy", poses()[:-1])
+    np.save(track, poses()[:-1])
     refused(data_set, "different length")
-    np.save(data_set / "object_poses_chair001.npy", poses()[:, :3])
-    with pytest.raises(hp.HalfPhysicsError, match=r"chair001.npy.*\(T, 4, 4\)"):
+    np.save(track, poses()[:, :3])
+    with pytest.raises(hp.HalfPhysicsError, match=r"smooth_objposes.npy.*\(T, 4, 4\)"):
         quiet(data_set)
-    np.save(data_set / "object_poses_chair001.npy", poses())
+    np.save(track, poses())
     mesh = data_set.parents[2] / "object_models/chair/chair001_m.obj"
     mesh.rename(mesh.with_name("other.obj"))
     refused(data_set, "the mesh of 'chair001'.*chair001_m.obj.*assets=")
-    (data_set / "object_poses_chair001.npy").unlink()
-    refused(data_set, "object_poses_NAME.npy, which is not there")
+    (data_set / "object_metadata.json").write_text("{")
+    with pytest.raises(hp.HalfPhysicsError, match=r"object_metadata.json: cannot be read"):
+        quiet(data_set)
+    (data_set / "object_metadata.json").unlink()
+    refused(data_set, "which object it is.*'obj_name'.*object_poses_NAME.npy")
+    for number in (1, 2):
+        np.save(data_set / f"object_poses_chair00{number}.npy", poses())
+    refused(data_set, "chair001.npy, object_poses_chair002.npy, expected.*one object")
+    for path in data_set.glob("*.npy"):
+        path.unlink()
+    refused(data_set, "smooth_objposes.npy or object_poses_NAME.npy, neither is there")
     put_person(data_set, 2, [1.0])
     with pytest.raises(hp.HalfPhysicsError, match=r"person2_poses.npz.*expected a dict"):
         quiet(data_set)

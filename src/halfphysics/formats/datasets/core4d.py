@@ -1,10 +1,12 @@
 """CORE4D: two people who carry one object; y-up, 15 fps.
 
-A sequence is a folder with `person1_poses.npz`, `person2_poses.npz` and `object_poses_NAME.npy`
-(N, 4, 4), world from object. A person's file has one field `arr_0`, a dict of `betas (N, 10)`,
-`transl, global_orient (N, 3)`, `body_pose (N, 21, 3)`, `left_hand_pose, right_hand_pose (N, 12)`,
-`joints (N, 127, 3)` and `vertices (N, 10475, 3)` of the neutral SMPL-X. Meshes:
-`object_models/CATEGORY/NAME_m.obj` [m]. Frames are those of the cameras: the files have no rate.
+A sequence is a folder with `person1_poses.npz`, `person2_poses.npz`, `smooth_objposes.npy`
+(N, 4, 4), world from object, and `object_metadata.json` with `obj_name` ("Chair001"); or, with the
+object's name in the file's, `object_poses_chair001.npy`. A person's file has one field `arr_0`, a
+dict of `betas (N, 10)`, `transl, global_orient (N, 3)`, `body_pose (N, 21, 3)`, `left_hand_pose,
+right_hand_pose (N, 12)`, `joints (N, 127, 3)` and `vertices (N, 10475, 3)` of the neutral SMPL-X.
+Meshes: `object_models/CATEGORY/NAME_m.obj` [m], the category is the name without its number.
+Frames are those of the cameras: the files have no rate.
 
 `joints` are SMPL-X's 55, then landmarks of the skin, of which 66 to 70 are the tips of thumb,
 index, middle, ring and little finger of the left hand, 71 to 75 of the right. They say the person's
@@ -15,6 +17,7 @@ expands; without it every finger joint is turned so that the next joint is where
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from weakref import WeakKeyDictionary
 
@@ -55,8 +58,8 @@ _HANDS = ("left_hand_pose", "right_hand_pose")
 _COMPONENTS = 12
 #: Positions and rotations in single precision agree to this [m].
 _AGREE = 0.01
-#: Other names of the object's poses, in prepared copies of the data set.
-_POSES = ("smooth_objposes.npy", "aligned_objposes.npy")
+#: The object's poses, where its name is in the table beside them.
+_POSES, _TABLE = ("smooth_objposes.npy", "aligned_objposes.npy"), "object_metadata.json"
 
 _UNSAID = "nothing says how tall the person is in metres"
 
@@ -241,27 +244,15 @@ def _load_sequence(source: Source, options: Options) -> Sequence:
 def _add_object(
     folder: Source, options: Options, motion: Motion, scene: Scene
 ) -> dict[str, ObjectTrack]:
-    found = sorted(folder.path.glob("object_poses_*.npy"))
-    if len(found) > 1:
-        raise FileError(
-            f"{folder.path}: found {', '.join(path.name for path in found)}, expected the poses of "
-            "one object. Move the others away"
-        )
-    found += [path for name in _POSES if (path := folder.path / name).is_file()]
-    if not found:
-        raise FileError(
-            f"{folder.path}: its object is in object_poses_NAME.npy, which is not there. Copy it "
-            "there, or read one person alone with Motion.load"
-        )
-    path = note(found[0])
-    name = path.stem.removeprefix("object_poses_") if path.name not in _POSES else "object"
+    path, name = _object(folder)
     poses = Record(path, {"array": Npy(path).array}).array(
         "array", None, 4, 4, frames=options.frames
     )
     same_length(str(folder.path), {"people": len(motion), path.name: len(poses)})
     kind = name.rstrip("0123456789_")
     files = [f"object_models/{kind}/{name}_m.obj", f"object_models/{name}_m.obj"]
-    files += [f"{kind}/{name}_m.obj", f"{name}_m.obj", "object_mesh.obj"]
+    files += [f"{kind}/{name}_m.obj", f"{kind}/{name}/{name}_m.obj", f"{name}_m.obj"]
+    files += ["object_mesh.obj"]
     mesh = find(folder, options, files, f"the mesh of {name!r}")
     with of_file(str(path)):
         track = add_recorded(
@@ -278,9 +269,39 @@ def _add_object(
     return {name: track}
 
 
+def _object(folder: Source) -> tuple[Path, str]:
+    """The file of the object's poses, and the object's name."""
+    named = sorted(folder.path.glob("object_poses_*.npy"))
+    if len(named) > 1:
+        raise FileError(
+            f"{folder.path}: found {', '.join(path.name for path in named)}, expected the poses of "
+            "one object. Move the others away"
+        )
+    if named:
+        return note(named[0]), named[0].stem.removeprefix("object_poses_")
+    found = [path for name in _POSES if (path := folder.path / name).is_file()]
+    if not found:
+        raise FileError(
+            f"{folder.path}: its object is in {_POSES[0]} or object_poses_NAME.npy, neither is "
+            "there. Copy it there, or read one person alone with Motion.load"
+        )
+    table = folder.path / _TABLE
+    try:
+        said = json.loads(note(table).read_text(encoding="utf-8")) if table.is_file() else {}
+    except (OSError, ValueError, RecursionError) as error:
+        raise FileError(f"{table}: cannot be read ({error}). Copy it again") from None
+    name = said.get("obj_name") if isinstance(said, dict) else None
+    if not isinstance(name, str) or not name:
+        raise FileError(
+            f"{folder.path}: which object it is, is in {_TABLE} ('obj_name'), which does not say "
+            "it; or name the file of its poses object_poses_NAME.npy"
+        )
+    return note(found[0]), name.lower()
+
+
 FORMAT = Format(
     name=NAME,
-    expects=f"a folder with {' and '.join(PEOPLE)} ({_FIELD}: a dict) and object_poses_NAME.npy",
+    expects=f"a folder with {' and '.join(PEOPLE)} ({_FIELD}: a dict) and {_POSES[0]}",
     sniff=_sniff,
     load=_load,
     load_sequence=_load_sequence,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -74,5 +75,6 @@ def write(made: Recording, folder: Path) -> Written:
     position, matrix = poses(made, np.zeros(3))
     pose = np.tile(np.eye(4), (len(position), 1, 1))
     pose[:, :3, :3], pose[:, :3, 3] = AXES["y"].T @ matrix, position @ AXES["y"]
-    np.save(path / f"object_poses_{name}.npy", pose)
+    np.save(path / "smooth_objposes.npy", pose)
+    (path / "object_metadata.json").write_text(json.dumps({"obj_name": name.capitalize()}))
     return Written(path, np.zeros(3), SINGLE)

@@ -38,7 +38,7 @@ def shared_data() -> Path:
 def carried_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A file of OMOMO with a suitcase that is carried, and the mesh beside it."""
     from support.carries.cases import all_cases
-    from support.carries.files import write_omomo
+    from support.carries.files.omomo import write_omomo
     from support.carries.recordings import recording
 
     made = recording(next(case for case in all_cases() if case.thing == "suitcase"))

@@ -27,7 +27,8 @@ SETTINGS = (
 
 # The public callables: name -> parameters, * before keyword-only ones.
 PARAMETERS = {
-    "Motion": "translation rotations fps betas gender model axes origin holds recorded",
+    "Motion": "translation rotations fps betas gender model axes origin stiffness_scale "
+    "holds recorded",
     "Motion.load": "path fps up hands model * gender frames clip assets",
     "Motion.from_smplx": "* fps global_orient transl body_pose jaw_pose leye_pose reye_pose "
     "left_hand_pose right_hand_pose betas expression gender model up hands_mean",
@@ -41,7 +42,7 @@ PARAMETERS = {
     "adapt": "motion scene body recorded * settings grip",
     "load_sequence": "path assets * objects adapt grip ground fps up hands model gender frames "
     "clip",
-    "Pose": "translation rotations axes",
+    "Pose": "translation rotations axes stiffness_scale",
     "Body.default": "betas stature mass bones",
     "Body.load": "path betas gender * model v_template mass",
     "Body.joints": "self motion",

@@ -12,15 +12,25 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
-from campaigns.holds import campaign, prepared
+from campaigns.holds import MIXED, campaign, layouts, main, run
 from halfphysics.base import rotations as rot
 from halfphysics.errors import HalfPhysicsWarning
 from halfphysics.motion.skeleton import PARENTS
 from support.carries.acting import hand_joints, parts_of
 from support.carries.cases import all_cases
-from support.carries.figures import Carry, angle_deg, carry_figures, change_figures, untouched
-from support.carries.files import ASIDE, SCALE, omomo_clip, write_omomo
+from support.carries.figures import (
+    Carry,
+    angle_deg,
+    carry_figures,
+    carry_of,
+    change_figures,
+    untouched,
+)
+from support.carries.files import LAYOUTS
+from support.carries.files.omomo import ASIDE, SCALE, omomo_clip, write_omomo
+from support.carries.files.written import at_rate
 from support.carries.limits import LIMITS, comparison, failed, held, summary, table
+from support.carries.loaded import MEMORY, loaded
 from support.carries.people import offsets_of, person
 from support.carries.recordings import (
     CLEAR,
@@ -163,8 +173,10 @@ def test_a_bare_recording_does_not_carry(tmp_path):
 
 def test_bare_is_as_recorded():
     made = recording(Case("glass"))
-    assert prepared(made, "bare") is made.motion
-    sequence = made.sequence()
+    its = loaded(made, MEMORY, "bare")
+    assert its.motion is its.recorded is made.motion
+    assert its.size_mm == 0.0
+    sequence = its.sequence
     assert sequence.recorded["glass"] is made.track
     assert np.array_equal(sequence.scene.objects["glass"].position, made.track.position[0])
 
@@ -179,10 +191,104 @@ def test_adapted_is_what_adapt_makes_of_the_recording(monkeypatch):
         return SimpleNamespace(motion=other)
 
     monkeypatch.setitem(sys.modules, "halfphysics.adaptation.adapt", SimpleNamespace(adapt=adapt))
-    assert prepared(made, "adapted") is other
+    assert loaded(made, MEMORY, "adapted").motion is other
     motion, scene, body, recorded = given
     assert (motion, body) == (made.motion, made.body)
     assert list(scene.objects) == list(recorded) == ["glass"]
+
+
+#: Joints may be so far from the recorded ones where a layout tells no size in metres [m].
+NO_SIZE = 5e-3
+#: Layouts that hold the fingers exactly, and those whose hands bend with the joints' positions.
+FINGERS = ("intermimic", "grab", "arctic", "behave")
+
+
+@pytest.mark.filterwarnings("ignore::halfphysics.errors.HalfPhysicsWarning")
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_files_of_every_layout_hold_the_same_recording(layout):
+    """Poses of the thing and the person's joints are read with nothing else known."""
+    made = recording(Case("mug", "back", "air", "gap", stature=1.62, arms=0.95))
+    its = loaded(made, layout, "bare")  # raises where the thing is not where it was recorded
+    fps = LAYOUTS[layout][1]
+    assert its.recorded.fps == fps
+    slow = at_rate(made, fps)
+    assert len(its.motion) == len(slow.motion) == len(its.made.track)
+    away = its.body.joints(its.motion) - slow.body.joints(slow.motion)
+    assert np.abs(away[:, :22]).max() < (NO_SIZE if layout == "behave" else 1e-3)
+    assert its.size_mm < 1000.0 * NO_SIZE
+    fingers = its.motion.rotations[:, 25:] - slow.motion.rotations[:, 25:]
+    if layout in FINGERS:
+        assert np.abs(fingers).max() < 1e-5
+    else:
+        assert its.motion.rotations[:, 25:].any() == (layout == "core4d")
+    if layout == "core4d":
+        assert len(its.sequence.motions) == len(its.sequence.body) == 2
+        assert np.abs(away[:, 25:]).max() < 1e-3
+    stands = {"grab": {"table", "ground"}}.get(layout, {"ground", *made.stands})
+    assert set(its.sequence.scene.statics) == stands
+
+
+def test_a_recording_at_another_rate():
+    made = recording(Case("mug", "turn", "down"))
+    for fps in (15.0, 120.0):
+        other = at_rate(made, fps)
+        first, last = other.hold
+        assert abs(first / fps - made.hold[0] / 30.0) <= 1.0 / min(fps, 30.0)
+        assert first / fps >= made.hold[0] / 30.0 - 1e-9
+        assert last / fps <= made.hold[1] / 30.0 + 1e-9
+        step = 4 if fps == 120.0 else 1
+        old = made.track.position[:: 1 if fps == 120.0 else 2]
+        new = other.track.position[::step]
+        count = min(len(old), len(new))
+        assert count >= len(old) - 1
+        assert np.abs(old[:count] - new[:count]).max() < EXACT
+        turned = angle_deg(other.track.quaternion[::step][:count], rot.exp(np.zeros(3)))
+        asked = angle_deg(
+            made.track.quaternion[:: 1 if fps == 120.0 else 2][:count], rot.exp(np.zeros(3))
+        )
+        assert np.abs(turned - asked).max() < 1e-6
+
+
+def test_layouts_in_turn():
+    cases = all_cases()
+    assert set(layouts(cases).values()) == set(LAYOUTS)
+    assert set(layouts(cases, "grab").values()) == {"grab"}
+    mixed = layouts(cases, MIXED)
+    for thing in THINGS:
+        own = [mixed[case.id] for case in cases if case.thing == thing]
+        assert len(set(own)) == len(own)
+
+
+def test_rows_of_layouts_are_kept_apart(tmp_path):
+    cases = [Case("glass", "turn", "air", "none")]
+    log = tmp_path / "rows.jsonl"
+    (memory,) = campaign(cases, log)
+    (row,) = campaign(cases, log, layout=layouts(cases, "behave"))
+    assert (memory["layout"], row["layout"]) == (MEMORY, "behave")
+    assert len(log.read_text().splitlines()) == 2
+    assert campaign(cases, log, seconds=-1.0) == [memory]
+    heads = summary([memory, row]).splitlines()[0].split()
+    assert heads[-2:] == ["behave", "memory"]
+
+
+def test_every_case_in_each_layout(tmp_path, monkeypatch, capsys):
+    log = tmp_path / "rows.jsonl"
+    words = ["holds", "--layout", "each", "--only", "mug-turn-air", "--log", str(log)]
+    monkeypatch.setattr(sys, "argv", words)
+    main()
+    rows = [json.loads(line) for line in log.read_text().splitlines()]
+    assert [row["layout"] for row in rows] == [MEMORY, *LAYOUTS]
+    assert len({row["id"] for row in rows}) == 1
+    assert "size mm <= 5" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("layout", ["grab", "core4d"])
+def test_a_file_of_another_rate_is_carried(layout):
+    """Frames of 120 and of 15 a second, a table of its own, a second person who stands aside."""
+    row = run(Case("largebox", "back", "air", "none", stature=1.7), "adapted", layout)
+    assert row["lifted"]
+    assert row["breaches"] == 0
+    assert row["size_mm"] < 1.0
 
 
 def read(path, **options):
@@ -275,6 +381,23 @@ def test_figures_of_a_perfect_carry():
     assert row["early_mm"] == row["pushed_mm"] == 0.0
     assert failed(row) == []
     assert held(row)
+
+
+def test_places_are_those_of_the_middle_of_the_thing():
+    """Whatever the frame of its mesh is."""
+    middle, turn = np.array([0.3, -0.2, 0.1]), rot.exp([0.0, 0.0, np.pi / 2])
+    thing = SimpleNamespace(position=np.zeros((3, 3)), quaternion=np.tile(turn, (3, 1)))
+    made = recording(Case("glass"))
+    rows = SimpleNamespace(part=np.zeros(0, int), person=np.zeros(0, int), other=np.zeros(0, int))
+    for name in ("frame", "normal", "impulse"):
+        setattr(rows, name, np.zeros((0, 3)))
+    person = SimpleNamespace(body=made.body, motion=made.motion)
+    result = SimpleNamespace(
+        people=[person], contacts=rows, names=("glass",), objects={"glass": thing}, fps=30.0
+    )
+    found = carry_of(result, made, middle).position
+    assert np.abs(found - [0.2, 0.3, 0.1]).max() < EXACT
+    assert np.abs(carry_of(result, made).position).max() == 0.0
 
 
 def test_figures_of_a_thing_that_stays():

@@ -18,12 +18,14 @@ AXES: Mapping[str, Array] = MappingProxyType(
     {
         "z": np.eye(3),
         "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
+        # Cameras: x right, y down, z ahead.
+        "-y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]),
     }
 )
 
 
 def axes_of(up: str) -> Array:
-    """World from file axes (3, 3) for a file whose `up` axis is "z" or "y"."""
+    """World from file axes (3, 3) for a file whose `up` axis is "z", "y" or "-y" (y down)."""
     if up not in AXES:
         raise InputError(f"up: found {up!r}, expected 'z' or 'y'")
     return AXES[up]

@@ -392,6 +392,11 @@ def _free() -> ShapeSpace:
     return dataclasses.replace(space, model=FREE, source=None)
 
 
+def free_regressor() -> Array:
+    """Joints of the free body's mean shape from its skin (55, V)."""
+    return _free().joint_regressor
+
+
 @cache
 def _mean() -> Body:
     """The default body with the mean shape."""

@@ -309,7 +309,7 @@ def _template(
     if isinstance(template, (str, os.PathLike)):
         path = Path(template)
         name = f"v_template: {path}"
-        template, source = _mesh_vertices(path), _source(path)
+        template, source = mesh_vertices(path), _source(path)
     try:
         vertices = np.array(template, dtype=np.float64)
     except (TypeError, ValueError) as error:
@@ -324,7 +324,7 @@ def _template(
     return vertices, source
 
 
-def _mesh_vertices(path: Path) -> Array:
+def mesh_vertices(path: Path) -> Array:
     """Vertices of a PLY or OBJ file, in the file's order."""
     if not path.is_file():
         raise FileError(f"{path}: no such file, expected a template (.ply or .obj)")

@@ -31,7 +31,6 @@ _HANDS = list(skeleton.LEFT_HAND_JOINTS + skeleton.RIGHT_HAND_JOINTS)
 _DEGREES = 20.0
 # Bounds on the mean component of the trunk's direction along an axis: upright above, across below.
 _UPRIGHT, _ACROSS = 0.8, 0.3
-_AXIS = {"y": 1, "z": 2}
 
 
 def rotations_of(parts: Mapping[tuple[int, ...], Array]) -> Array:
@@ -81,8 +80,10 @@ def warn_of_axes(where: str, rotations: Array, up: str) -> None:
     if not len(rotations):
         return  # Motion raises the error
     spine = rot.to_matrix(rot.exp(rotations[:, 0]))[:, :, 1].mean(axis=0)
-    other = "z" if up == "y" else "y"
-    if spine[_AXIS[other]] > _UPRIGHT and abs(spine[_AXIS[up]]) < _ACROSS:
+    # How much the trunk stands along the axis that is up in the file; rows of AXES are the world's.
+    along = float(axes_of(up)[2] @ spine)
+    other = "z" if up != "z" else "y"
+    if float(axes_of(other)[2] @ spine) > _UPRIGHT and abs(along) < _ACROSS:
         warn(
             f"{where}: read with {up} up, and the body stands along {other} all the time. If it "
             f"should not lie, say up={other!r}"
@@ -117,7 +118,7 @@ def motion_of(
     translation: Array,
     rotations: Array,
     fps: float | None,
-    up: Literal["y", "z"],
+    up: Literal["y", "z", "-y"],
     model: str,
     gender: str | None = None,
     betas: ArrayLike | None = None,
@@ -134,7 +135,7 @@ def motion_of(
         translation: Translation of the SMPL origin (T, 3) [m], file axes.
         rotations: Axis-angle (T, 55, 3) [rad], file axes.
         fps: None if the file does not state it.
-        up: The axis that is up in the format.
+        up: The axis that is up in the format; "-y": y is down.
         model: "smplx", "smplh" or "smpl".
         gender: Any spelling; None if the file does not state it: neutral, with a warning.
         betas: (n,), (1, n) or equal rows (T, n); None or empty if the file has none.

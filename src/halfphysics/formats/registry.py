@@ -20,6 +20,8 @@ from halfphysics.formats.bvh import bvh
 from halfphysics.formats.datasets import (
     aist,
     arctic,
+    behave,
+    core4d,
     grab,
     intermimic,
     motionx,
@@ -27,7 +29,7 @@ from halfphysics.formats.datasets import (
     trumans_clip,
     trumans_release,
 )
-from halfphysics.formats.datasets.ground import add_ground
+from halfphysics.formats.datasets.ground import add_ground, needs_ground
 from halfphysics.formats.format import Assets, Format, Options, Source
 from halfphysics.motion.motion import GENDERS, MODELS, Motion
 
@@ -53,6 +55,8 @@ __all__ = [
 FORMATS: dict[str, Format] = {
     format.name: format
     for format in (
+        behave.FORMAT,  # before AMASS, which has fields of the same names and another axis up
+        core4d.FORMAT,
         amass_smplx.FORMAT,
         amass_smplh.FORMAT,
         amass_smpl.FORMAT,
@@ -133,7 +137,7 @@ def load_sequence(
             (`halfphysics.adapt`; `Motion.recorded` is the motion as recorded, `Motion.holds` what
             is held). False: the motion stays as it is.
         grip: With `adapt`: hands press with what the load needs. False: they touch.
-        ground: Where the data set brings free objects and nothing that stands, they get a floor
+        ground: Where the data set brings free objects and nothing to stand on, they get a floor
             named "ground", at the height of the lowest skin and of the lowest of the objects.
             False: none, and all falls.
 
@@ -159,7 +163,7 @@ def load_sequence(
         sequence = format.load_sequence(source, options)
         if objects != "free" or not sequence.recorded:
             return sequence
-        if ground and not sequence.scene.statics:
+        if ground and needs_ground(sequence):
             add_ground(sequence, source.path)
         return adapted(sequence, source.path, grip=grip) if adapt else sequence
 

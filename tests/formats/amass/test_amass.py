@@ -146,7 +146,7 @@ def test_another_format_can_be_asked_for(tmp_path):
     assert again.origin.format == "amass-smplx"
     assert np.array_equal(again.rotations, motion.rotations)
     assert again.model == "smplh"  # the betas are still SMPL-H's
-    with pytest.raises(InputError, match="format: found 'fbx', expected one of amass-smplx"):
+    with pytest.raises(InputError, match=r"format: found 'fbx', expected one of .*amass-smplx"):
         motion.save(tmp_path / "c.npz", format="fbx")
 
 

@@ -106,6 +106,34 @@ def test_flat_hands_z_up_30_fps(data_set):
     assert np.abs(body.vertices(motion) - expected).max() < ROUNDING
 
 
+def test_a_hinge_that_does_not_move_makes_one_rigid_object(data_set, tmp_path):
+    """Both parts in one mesh, the top turned as it is in the clip."""
+    still = poses()
+    still[:, 0] = 0.4
+    path = written(tmp_path, fields(), still)
+    sequence = quiet(path)
+    assert not sequence.scene.articulated
+    item, track = sequence.scene.objects["box"], sequence.recorded["box"]
+    parts = data_set.parents[2] / "meta" / "object_vtemplates" / "box"
+    import trimesh
+
+    hinge = rot.rotvec_to_matrix([0.0, 0.0, -0.4])
+    corners = [
+        trimesh.load(parts / f"{part}.obj", process=False).vertices @ own.T / 1000.0
+        for part, own in (("bottom", np.eye(3)), ("top", hinge))
+    ]
+    away = np.linalg.norm(np.concatenate(corners)[:, None] - item.visual.vertices, axis=-1)
+    assert max(away.min(axis=0).max(), away.min(axis=1).max()) < SINGLE
+    for frame in (0, FRAMES - 1):
+        turn = rot.rotvec_to_matrix(still[frame, 1:4])
+        point = turn @ [0.1, 0.2, 0.3] + still[frame, 4:] / 1000.0
+        placed = rot.rotate(track.quaternion[frame], np.array([0.1, 0.2, 0.3]))
+        assert np.abs(placed + track.position[frame] - point).max() < ROUNDING
+    assert len(item.decomposition.pieces) == 2
+    volume = 200.0 * 150.0 * (80.0 + 10.0) * 1e-9
+    assert item.mass == pytest.approx(400.0 * volume, rel=1e-6)
+
+
 def test_gender_may_be_said(data_set):
     assert hp.Motion.load(data_set, gender="male").gender == "male"
     (data_set.parents[2] / "meta" / "misc.json").unlink()

@@ -9,6 +9,7 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.base import rotations as rot
+from support.carries.people import person
 from support.files.grab_files import (
     FRAMES,
     fields,
@@ -123,6 +124,19 @@ def test_without_template_or_model_the_body_is_missing_and_said(data_set, tmp_pa
     (data_set.parents[2] / "tools/subject_meshes/male/s1.ply").unlink()
     with pytest.warns(hp.HalfPhysicsWarning, match="own template.*Looked for .*s1.ply in"):
         assert load_sequence(data_set, objects="replayed", model=other).body is None
+
+
+def test_without_a_model_the_body_has_the_templates_size(data_set, monkeypatch):
+    import trimesh
+
+    monkeypatch.delenv("HALFPHYSICS_MODELS", raising=False)
+    own = person(1.6, 0.95)
+    skin = trimesh.Trimesh(own.rest_vertices, own.faces, process=False)
+    skin.export(data_set.parents[2] / "tools/subject_meshes/male/s1.ply")
+    with pytest.warns(hp.HalfPhysicsWarning, match="with the template's size: stature 1.60 m"):
+        sequence = load_sequence(data_set, objects="replayed")
+    away = sequence.body.joints(sequence.motion) - own.joints(sequence.motion)
+    assert np.linalg.norm(away, axis=-1).max() < 1e-3
 
 
 def rows(vertices: np.ndarray, params: dict, frame: int) -> np.ndarray:

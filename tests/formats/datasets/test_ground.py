@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
-from halfphysics.formats.datasets.ground import GROUND, add_ground
+from halfphysics.formats.datasets.ground import GROUND, add_ground, needs_ground
 from halfphysics.results.result import ObjectTrack
 from halfphysics.simulation.sequence import Sequence
 
@@ -46,3 +46,24 @@ def test_a_thing_far_below_is_no_floor():
         warnings.simplefilter("ignore")
         add_ground(made, "clip.p")
     assert abs(made.scene.statics[GROUND].shape.offset - HEIGHT) < 1e-9
+
+
+@pytest.mark.parametrize(("bottom", "needed"), [(0.4, True), (0.05, False), (-3.0, False)])
+def test_a_table_top_is_no_floor(bottom, needed):
+    made = sequence(0.0)
+    at = (2.0, 0.0, HEIGHT + bottom + 0.1)
+    made.scene.add_static("table", hp.Box((1.0, 1.0, 0.2)), position=at)
+    assert needs_ground(made) is needed
+
+
+def test_what_a_person_is_over_is_a_floor():
+    made = sequence(0.0)
+    made.scene.add_static("hall", hp.Box((4.0, 4.0, 0.1)), position=(0.0, 0.0, HEIGHT + 1.0))
+    assert not needs_ground(made)
+
+
+def test_a_plane_is_one():
+    made = sequence(0.0)
+    made.scene.add_static("floor", hp.Plane(offset=HEIGHT + 0.3))
+    assert not needs_ground(made)
+    assert needs_ground(sequence(0.0))

@@ -8,7 +8,10 @@ from support.carries.things import THINGS
 #: Noise of a thing's cases, in turn; cases without fingers are every second one.
 NOISES = ("gap", "aside", "inside", "none")
 #: Statures [m] and arms of the people, in turn.
-PEOPLE = ((1.75, 1.0), (1.62, 1.0), (1.88, 1.0), (1.70, 0.95), (1.80, 1.06))
+PEOPLE = (
+    (1.75, 1.0), (1.62, 1.0), (1.88, 1.0), (1.70, 0.95), (1.80, 1.06),
+    (1.55, 1.0), (1.95, 1.0), (1.72, 0.9), (1.78, 1.1),
+)  # fmt: skip
 
 
 def ways(thing) -> tuple[tuple[str, str], ...]:

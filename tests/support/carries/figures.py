@@ -52,8 +52,11 @@ class Carry:
     hand_quaternion: np.ndarray
 
 
-def carry_of(result, recording) -> Carry:
-    """The columns of a result that concern the recorded thing and the hands that hold it."""
+def carry_of(result, recording, middle=(0.0, 0.0, 0.0)) -> Carry:
+    """The columns of a result that concern the recorded thing and the hands that hold it.
+
+    `middle`: of the thing, in the frame that was simulated (3,) [m].
+    """
     from halfphysics.motion.skeleton import JOINT_NAMES
 
     name, sides = recording.case.thing, list(recording.thing.grasps)
@@ -71,7 +74,7 @@ def carry_of(result, recording) -> Carry:
     return Carry(
         fps=result.fps,
         hold=recording.hold,
-        position=thing.position,
+        position=thing.position + _rotated(thing.quaternion, np.asarray(middle, dtype=float)),
         quaternion=thing.quaternion,
         recorded_position=recording.track.position,
         recorded_quaternion=recording.track.quaternion,
@@ -84,11 +87,11 @@ def carry_of(result, recording) -> Carry:
     )
 
 
-def figures(result, recording) -> dict:
-    """All figures of one run, as plain numbers; None: undefined."""
+def figures(result, recording, middle=(0.0, 0.0, 0.0)) -> dict:
+    """All figures of one run, as plain numbers; None: undefined. `middle`: as in `carry_of`."""
     person = result.people[0]
     clear = result.clearance[np.isfinite(result.clearance)]
-    measured = carry_figures(carry_of(result, recording))
+    measured = carry_figures(carry_of(result, recording, middle))
     facing = np.sum([grasp.facing for grasp in recording.thing.grasps.values()], axis=0)
     if facing[2] > 0.5:  # carried from below: weight, not the hands, presses against the hands
         measured["opposition"] = None
@@ -228,7 +231,12 @@ def slip(carry):
 
 def _rotated_back(quaternion, vector):
     """Vectors (T, 3) in the frames of quaternions (T, 4)."""
-    w, v = quaternion[:, :1], -quaternion[:, 1:]
+    return _rotated(quaternion * [1.0, -1.0, -1.0, -1.0], vector)
+
+
+def _rotated(quaternion, vector):
+    """Vectors (T, 3) or (3,), turned by quaternions (T, 4)."""
+    w, v = quaternion[:, :1], quaternion[:, 1:]
     cross = 2.0 * np.cross(v, vector)
     return vector + w * cross + np.cross(v, cross)
 

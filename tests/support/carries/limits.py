@@ -39,6 +39,7 @@ LIMITS = (
     Limit("jerk_ratio", "jerk", 1.5),
     Limit("untouched_equal", "same", least=1.0),
     Limit("breaches", "breach", 0.0),
+    Limit("size_mm", "size mm", 5.0),
 )
 
 
@@ -75,6 +76,9 @@ def summary(rows) -> str:
         **{n: lambda row, n=n: row["noise"] == n for n in ("none", "gap", "aside", "inside")},
         "all": lambda row: True,
     }
+    named = {row.get("layout", "memory") for row in rows}
+    if len(named) > 1:
+        groups |= {n: lambda row, n=n: row.get("layout", "memory") == n for n in sorted(named)}
     lines = [f"{'kept / measured':24s}" + "".join(f"{name:>12s}" for name in groups)]
     for limit in LIMITS:
         bounds = f"<= {limit.most:g}" if limit.most < float("inf") else f">= {limit.least:g}"

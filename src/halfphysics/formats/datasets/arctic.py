@@ -151,7 +151,7 @@ def _load_sequence(source: Source, options: Options) -> Sequence:
             options=options,
         )
     template = ends(own_fields(motion)["template"])
-    body = subject_body(source, options, gender=motion.gender, template=template)
+    body = subject_body(source, options, motion=motion, tracks=tracks, template=template)
     return Sequence(motion, scene, body, recorded=tracks)
 
 

@@ -20,23 +20,50 @@ GROUND = "ground"
 _NEAR = 0.1
 
 
-def add_ground(sequence: Sequence, path: Path) -> None:
-    """Add a floor to a sequence's scene, under the lowest skin and the lowest of its objects.
+def needs_ground(sequence: Sequence) -> bool:
+    """Whether nobody stands on anything in a sequence's scene: GRAB has a table top only.
 
-    Args:
-        sequence: With recorded objects, in a scene without anything that stands.
-        path: The file, for the message.
-
-    Warns:
-        HalfPhysicsWarning: Where the floor is.
+    What is as low as the lowest skin may be a floor, and so is what a person is over most of the
+    time, whatever its height.
     """
+    statics = sequence.scene.statics.values()
+    if any(isinstance(static.shape, Plane) for static in statics):
+        return False
+    height = _lowest_skin(sequence) if statics else 0.0
+    for static in statics:
+        corners = rot.rotate(static.quaternion, static.shape.triangles()[0]) + static.position
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        if low[2] <= height + _NEAR:
+            return False
+        for motion in sequence.motions:
+            at = motion.translation[:, :2]
+            if np.median(((at > low[:2]) & (at < high[:2])).all(axis=1)):
+                return False
+    return True
+
+
+def _lowest_skin(sequence: Sequence) -> float:
+    """[m]"""
     from halfphysics.body.body import Body
 
     skins = [
         (Body.default() if body is None else body).vertices(motion)[..., 2].min()
         for motion, body in zip(sequence.motions, sequence.bodies, strict=True)
     ]
-    height = float(min(skins))
+    return float(min(skins))
+
+
+def add_ground(sequence: Sequence, path: Path) -> None:
+    """Add a floor to a sequence's scene, under the lowest skin and the lowest of its objects.
+
+    Args:
+        sequence: With recorded objects, in a scene without a floor.
+        path: The file, for the message.
+
+    Warns:
+        HalfPhysicsWarning: Where the floor is.
+    """
+    height = _lowest_skin(sequence)
     for name, track in sequence.recorded.items():
         item = sequence.scene.objects.get(name)
         if item is None:

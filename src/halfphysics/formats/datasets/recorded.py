@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,6 +14,7 @@ from halfphysics.base import rotations as rot
 from halfphysics.base.reader_warnings import warn
 from halfphysics.errors import FileError, InputError
 from halfphysics.formats.format import Options
+from halfphysics.geometry.mesh import Mesh
 from halfphysics.geometry.mesh_files import load_mesh
 from halfphysics.results.result import ObjectTrack
 
@@ -50,7 +51,7 @@ def of_file(where: str) -> Iterator[None]:
 def add_recorded(
     scene: Scene,
     name: str,
-    mesh: Path,
+    mesh: Path | Mesh,
     position: Array,
     rotation: Array,
     *,
@@ -59,20 +60,22 @@ def add_recorded(
     fps: float,
     options: Options,
     scale: float = 1.0,
+    pieces: str | Sequence[Mesh] = "auto",
 ) -> ObjectTrack:
     """Add an object whose vertices in the file's axes are ``rotation @ (scale * v) + position``.
 
     Args:
         scene: Scene to add it to, free from its first pose or replayed (`Options.objects`).
         name: Name of the object.
-        mesh: Its mesh file, in its own axes [m, times `scale`].
+        mesh: Its mesh file, or mesh, in its own axes [m, times `scale`].
         position: Positions (T, 3) [m], file axes.
         rotation: Rotations (T, 3, 3), file axes.
         where: Name of the clip in messages.
         axes: World from file axes (3, 3), as `Motion.axes`.
         fps: Frame rate of the poses.
         options: Options of the caller.
-        scale: Metres per unit of the mesh.
+        scale: Metres per unit of the mesh file.
+        pieces: What collides, as in `Scene.add_object`.
 
     Returns:
         The recorded poses in the world.
@@ -93,7 +96,7 @@ def add_recorded(
     if options.objects == "replayed":
         scene.add_moving(name, mesh, places, turns, fps=fps, scale=scale, up="z")
         return track
-    solid, _ = load_mesh(mesh, scale=scale, up="z")
+    solid = mesh if isinstance(mesh, Mesh) else load_mesh(mesh, scale=scale, up="z")[0]
     mass = assumed_mass(solid.volume if solid.closed else solid.hull.volume)
     warn(
         f"{where}: nothing says what {name!r} weighs: {mass:.3g} kg is taken, that is "
@@ -109,6 +112,7 @@ def add_recorded(
         scale=scale,
         up="z",
         start="asleep" if rests(track, fps) else "awake",
+        pieces=pieces,
     )
     return track
 

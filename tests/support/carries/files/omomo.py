@@ -1,4 +1,4 @@
-"""Recordings as files of data sets."""
+"""Recordings as files of OMOMO: the person's bones, no fingers."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import trimesh
 
 from halfphysics.base import rotations as rot
 from halfphysics.motion.skeleton import BODY_JOINTS, JOINT_INDEX
+from support.carries.files.written import EXACT, Written
 from support.carries.people import offsets_of
 from support.carries.recordings import Recording
 
@@ -58,3 +59,8 @@ def write_omomo(recordings, folder: Path) -> Path:
     clips = {k: omomo_clip(made, k) for k, made in enumerate(recordings)}
     path.write_bytes(pickle.dumps(clips))
     return path
+
+
+def write(made: Recording, folder: Path) -> Written:
+    """One recording."""
+    return Written(write_omomo([made], folder), SCALE * ASIDE, EXACT)

@@ -38,7 +38,7 @@ PARAMETERS = {
     "Motion.rebased": "self body up",
     "clips": "path",
     "export": "what path * body fps",
-    "adapt": "motion scene body recorded * settings grip",
+    "adapt": "motion scene body recorded * settings grip others",
     "load_sequence": "path assets * objects adapt ground fps up hands model gender frames clip",
     "Pose": "translation rotations axes",
     "Body.default": "betas stature mass bones",

@@ -15,8 +15,9 @@ ROUNDING = 1e-12
 FPS, FRAMES, FIRST, LAST = 60.0, 400, 150, 250
 
 
-def hold(first=FIRST, last=LAST, kept=False):
-    return SimpleNamespace(first=first, last=last, kept=kept)
+def hold(first=FIRST, last=LAST, kept=False, rests=None):
+    rests = last if rests is None else rests
+    return SimpleNamespace(first=first, last=last, kept=kept, rests=rests)
 
 
 def test_a_hand_presses_in_full_while_the_thing_moves():
@@ -40,7 +41,15 @@ def test_it_lets_go_at_once():
     """Within 0.1 s of the end no force is asked for: released as recorded."""
     t = Timing.of(hold(), FIRST - 30, FRAMES, FPS)
     assert t.presses[LAST + int(0.1 * FPS) + 1] == 0.0
-    assert t.fixed[LAST + int(0.1 * FPS)] == pytest.approx(1.0)
+    assert t.fixed[LAST + int(0.05 * FPS)] == pytest.approx(1.0)
+
+
+def test_what_rests_is_let_go_of_by_the_end():
+    """What a thing was put down on takes over until the recorded hand leaves it."""
+    t = Timing.of(hold(rests=LAST - 30), FIRST - 30, FRAMES, FPS)
+    assert t.presses[LAST] == pytest.approx(0.0)
+    assert t.presses[LAST - 30] == pytest.approx(1.0)
+    assert t.presses[LAST - 15] == pytest.approx(0.5)
 
 
 def test_what_is_held_at_the_end_is_not_let_go():

@@ -8,17 +8,19 @@ own motion is never touched: friction lifts it, or does not.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.adaptation import arm_pose, press
+from halfphysics.adaptation import arm_pose, feet, press, sharing
+from halfphysics.adaptation.feet import Foot
 from halfphysics.adaptation.fingers import closed
 from halfphysics.adaptation.grips import Place, fingers_at, fingers_known, places
 from halfphysics.adaptation.hands import SIDES, Hand
+from halfphysics.adaptation.parts import Limb, Seat, told
 from halfphysics.adaptation.recorded_holds import RecordedHold, recorded_holds
 from halfphysics.adaptation.thing import Thing
 from halfphysics.adaptation.timing import Timing
@@ -59,12 +61,14 @@ class AdaptedHold:
 
     Attributes:
         object: Name of the thing.
-        parts: Joints that hold it: wrists.
-        first: Frame in which the hands press.
+        parts: Joints that hold it: wrists; ankles of feet that push it; the pelvis of a person
+            who sits on it.
+        first: Frame in which they press.
         last: Last frame in which they do.
-        force: What each hand presses with against the other [N]; 0: fingers hold it, or it is
-            borne from below.
-        moved: How far each palm was moved from where it was recorded [m], medians over the hold.
+        force: What each of them presses with [N], the most where it differs; 0: fingers hold it,
+            or it is borne from below.
+        moved: How far each palm or foot was moved from where it was recorded [m], medians over the
+            hold; 0 of a seat.
     """
 
     object: str
@@ -93,17 +97,15 @@ class Adaptation:
         """What was adapted and by how much, in one line."""
         if not self.holds:
             return "nothing is held: the motion is as recorded"
-        told = []
+        told_of = []
         for hold in self.holds:
-            names = " and ".join(part.split("_")[0] for part in hold.parts)
-            palms = " and ".join(f"{100.0 * moved:.1f}" for moved in hold.moved)
-            told.append(
+            away = " and ".join(f"{100.0 * moved:.1f}" for moved in hold.moved)
+            told_of.append(
                 f"{hold.object} from {hold.first / self.motion.fps:.1f} to "
-                f"{hold.last / self.motion.fps:.1f} s in the {names} hand, "
-                f"moved by {palms} cm"
+                f"{hold.last / self.motion.fps:.1f} s {told(hold.parts)}, moved by {away} cm"
                 + (f" and pressing with {hold.force:.0f} N" if hold.force else "")
             )
-        return f"hands adapted to what they hold: {'; '.join(told)}"
+        return f"adapted to what is held: {'; '.join(told_of)}"
 
 
 def adapt(
@@ -114,6 +116,7 @@ def adapt(
     *,
     settings: Settings | None = None,
     grip: bool = True,
+    others: Sequence[tuple[Motion, Body | None]] = (),
 ) -> Adaptation:
     """Adapt a recorded motion to the things that it held.
 
@@ -124,6 +127,8 @@ def adapt(
         recorded: Name of an object -> its recorded poses, T frames.
         settings: How it will be simulated: the drive that presses. None: the defaults.
         grip: Hands press with what the load needs. False: they touch.
+        others: Recorded motions and bodies (None: the default one) of other people in the scene:
+            what their hands hold, too, they bear together.
 
     Raises:
         InputError: A track of another length than the motion.
@@ -133,6 +138,7 @@ def adapt(
 
     body = Body.default() if body is None else body
     settings = Settings() if settings is None else settings
+    people = [(m, Body.default() if b is None else b) for m, b in others]
     hands = [hand for side in SIDES if (hand := Hand.of(body, side)) is not None]
     out, holds = motion, []
     for name, track in (recorded or {}).items():
@@ -147,15 +153,78 @@ def adapt(
         friction = scene.friction_of(PERSON, name)
         for hold in recorded_holds(motion, body, hands, thing):
             its = places(motion, body, hold, friction)
-            force = _force(hold, its, friction, motion.fps, scene.gravity) if grip else 0.0
-            moved = []
-            for place, arrives in zip(its, hold.arrives, strict=True):
-                squeeze = _SQUEEZE if grip else 0.0
+            theirs = sharing.others_places(people, thing, hold, friction)
+            load = sharing.load(hold, motion.fps, scene.gravity)
+            both = sharing.shared(its, theirs, thing, load, friction) if grip and theirs else None
+            if both is None:
+                force = _force(hold, its, friction, motion.fps, scene.gravity) if grip else 0.0
+                forces: tuple[float, ...] = (force,) * len(its)
+            else:
+                its, forces = both
+            moved, pressed = [], 0.0
+            for place, arrives, force in zip(its, hold.arrives, forces, strict=True):
+                # What lies on a palm needs no grip: the drive holds the palm where it is.
+                bears = both is not None and sharing.bears(place, load)
+                squeeze = _SQUEEZE if grip and not bears else 0.0
+                force = 0.0 if bears else force
+                pressed = max(pressed, force)
                 out, away = _held(out, body, hold, place, arrives, force, squeeze, settings)
                 moved.append(away)
-            parts = tuple(f"{place.hand.side}_wrist" for place in its)
-            holds.append(AdaptedHold(name, parts, hold.first, hold.last, force, tuple(moved)))
+            parts = tuple(place.hand.name for place in its)
+            holds.append(AdaptedHold(name, parts, hold.first, hold.last, pressed, tuple(moved)))
+        out, more = _without_hands(out, motion, scene, body, thing, holds, grip, settings)
+        holds += more
     return Adaptation(out, motion, tuple(sorted(holds, key=lambda h: h.first)))
+
+
+def _without_hands(
+    out: Motion,
+    motion: Motion,
+    scene: Scene,
+    body: Body,
+    thing: Thing,
+    holds: Sequence[AdaptedHold],
+    grip: bool,
+    settings: Settings,
+) -> tuple[Motion, list[AdaptedHold]]:
+    """A motion whose feet are kept on what they push, and what they do; who sits is only told.
+
+    Where hands hold the thing, they move it; where a person sits on it, feet are below it.
+    """
+    busy = [(h.first, h.last) for h in holds if h.object == thing.name]
+    found: list[AdaptedHold] = []
+    for hold in _free(recorded_holds(motion, body, [Seat(body)], thing), busy):
+        names = tuple(part.name for part in hold.parts)
+        found.append(AdaptedHold(thing.name, names, hold.first, hold.last, 0.0, (0.0,)))
+        busy.append((hold.first, hold.last))
+    both = [foot for side in SIDES if (foot := Foot.of(body, side)) is not None]
+    for hold in _free(recorded_holds(motion, body, both, thing), busy):
+        friction = max((scene.friction_of(thing.name, name) for name in scene.statics), default=0.0)
+        done: list[tuple[str, float]] = []
+        force = 0.0
+        for part, arrives in zip(hold.parts, hold.arrives, strict=True):
+            foot = next(each for each in both if each.name == part.name)
+            made = feet.kept(out, body, foot, hold, arrives)
+            if made is None:
+                continue
+            out = made[0]
+            done.append((foot.name, made[1]))
+            if grip and settings.drive_time is not None:
+                force = friction * thing.item.mass * float(np.linalg.norm(scene.gravity))
+                force = min(force / len(hold.parts), _MOST_FORCE)
+                out = feet.pushed(
+                    out, body, foot, hold, force,
+                    stiffness=_stiffness(settings, foot), time=settings.drive_time,
+                )  # fmt: skip
+        if done:
+            names, moved = zip(*done, strict=True)
+            found.append(AdaptedHold(thing.name, names, hold.first, hold.last, force, moved))
+    return out, found
+
+
+def _free(holds: Sequence[RecordedHold], busy: Sequence[tuple[int, int]]) -> list[RecordedHold]:
+    """Holds that share no frame with the `busy` ones."""
+    return [h for h in holds if all(h.first > b or h.last < a for a, b in busy)]
 
 
 def _force(
@@ -290,9 +359,9 @@ def _closed(
     return motion.with_frames(motion.translation, rotations)
 
 
-def _stiffness(settings: Settings, hand: Hand) -> float:
-    """lambda of an arm: that of its shoulder."""
+def _stiffness(settings: Settings, hand: Limb) -> float:
+    """lambda of a limb: that of its shoulder or hip."""
     value = settings.stiffness
     if isinstance(value, JointValues):
-        return float(value.resolve(1.0)[hand.arm[0]])
+        return float(value.resolve(1.0)[hand.limb[0]])
     return float(value)  # type: ignore[arg-type]

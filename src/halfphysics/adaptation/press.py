@@ -23,7 +23,7 @@ from halfphysics.base import rotations as rot
 from halfphysics.motion.skeleton import PARENTS
 
 if TYPE_CHECKING:
-    from halfphysics.adaptation.hands import Hand
+    from halfphysics.adaptation.parts import Limb
     from halfphysics.body.body import Body
     from halfphysics.motion.motion import Motion
 
@@ -38,7 +38,7 @@ _CURL = 0.35
 def pressed(
     motion: Motion,
     body: Body,
-    hand: Hand,
+    hand: Limb,
     frames: NDArray[np.int64],
     force: Array,
     *,
@@ -87,7 +87,7 @@ def pressed(
 
 def _inertia(
     body: Body,
-    hand: Hand,
+    hand: Limb,
     turns: list[Array],
     places: list[Array],
     positions: Array,
@@ -99,7 +99,7 @@ def _inertia(
     parts = body.variant.parts
     for k, joint in enumerate(joints):
         last = k == len(joints) - 1
-        for index in (joint, *((hand.wrist, *hand.fingers) if last else ())):
+        for index in (joint, *((hand.pressing[-1], *hand.beyond) if last else ())):
             part = parts[index]
             turn = rot.to_matrix(quaternions[:, index])
             centre = positions[:, index] + turn @ part.com

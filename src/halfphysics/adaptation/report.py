@@ -1,4 +1,4 @@
-"""What hands that were asked to hold a thing did: forces reached, and what friction had left."""
+"""What hands, feet and seats that were to hold a thing did: forces reached, what friction left."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from halfphysics.motion.skeleton import JOINT_INDEX, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
+from halfphysics.adaptation.parts import joints_of
 from halfphysics.scene.material_pairs import PERSON
 
 if TYPE_CHECKING:
@@ -17,11 +17,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class HeldReport:
-    """One hand of one hold, after the simulation.
+    """One part of one hold, after the simulation.
 
     Attributes:
         object: Name of the thing.
-        part: The wrist of the hand, which stands for hand and fingers.
+        part: The joint that stands for it: a wrist for hand and fingers, an ankle for a foot, the
+            pelvis for the seat.
         start, end: When it was to hold [s].
         asked: The force that it was to press with [N].
         reached: The sum of its normal forces, the median over the hold [N].
@@ -41,7 +42,7 @@ class HeldReport:
 
 
 def held(result: Result, adaptation: Adaptation, person: int = 0) -> list[HeldReport]:
-    """What became of every hold of an adapted motion, one entry a hand.
+    """What became of every hold of an adapted motion, one entry a hand, foot or seat.
 
     Args:
         result: The simulation of `adaptation.motion`.
@@ -52,10 +53,9 @@ def held(result: Result, adaptation: Adaptation, person: int = 0) -> list[HeldRe
 
 
 def _one(result: Result, hold: AdaptedHold, part: str, person: int) -> HeldReport:
-    fingers = LEFT_HAND_JOINTS if part.startswith("left") else RIGHT_HAND_JOINTS
     c = result.contacts
     thing = result.names.index(hold.object)
-    own = (c.person == person) & np.isin(c.part, [JOINT_INDEX[part], *fingers])
+    own = (c.person == person) & np.isin(c.part, joints_of(part))
     own &= (c.other == thing) & (c.frame >= hold.first) & (c.frame <= hold.last)
     impulse, normal = c.impulse[own], c.normal[own]
     along = np.einsum("ij,ij->i", impulse, normal)

@@ -3,7 +3,8 @@
 comes      within 0.4 s, ending 0.1 s before it is near: from its recorded way to that, shifted
 closes     0.3 s, until 0.3 s before the thing moves: the palm onto the surface, fingers around
 presses    a rise of 0.15 s, in full 0.15 s before the thing moves
-lets go    within 0.1 s of the hold's end, then the palm leaves the surface in 0.3 s
+lets go    from when the thing rests to the hold's end, within 0.1 s if it does not rest; the palm
+           leaves the surface in 0.3 s
 leaves     within 0.5 s it is on its recorded way again
 """
 
@@ -74,10 +75,11 @@ class Timing:
             presses = ease(time / max(hold.first / fps, AHEAD))
         fixed = closed.copy()
         if not hold.kept:
-            after = time - hold.last / fps
-            presses *= 1.0 - ease(after / LETS_GO)
-            opens = 1.0 - ease((after - LETS_GO) / OPENS)
+            # What bears it takes over from when it rests; in the air it is let go of at the end.
+            gone = max(hold.last, hold.rests + LETS_GO * fps) / fps
+            presses *= 1.0 - ease((time - hold.rests / fps) / (gone - hold.rests / fps))
+            opens = 1.0 - ease((time - gone + 0.5 * LETS_GO) / OPENS)
             fixed *= opens
             closed *= opens
-            share *= 1.0 - ease((after - LETS_GO - 0.5 * OPENS) / GOES)
+            share *= 1.0 - ease((time - gone - 0.5 * OPENS) / GOES)
         return cls(share, fixed * share, closed, presses * share)

@@ -163,10 +163,14 @@ def _adapted(sequence: Sequence, path: Path) -> Sequence:
     """The sequence with every person's hands at what they hold."""
     from halfphysics.adaptation.adapt import adapt
 
+    people = tuple(zip(sequence.motions, sequence.bodies, strict=True))
     found = tuple(
-        adapt(motion, sequence.scene, body, sequence.recorded, settings=sequence.settings)
-        for motion, body in zip(sequence.motions, sequence.bodies, strict=True)
-    )
+        adapt(
+            motion, sequence.scene, body, sequence.recorded, settings=sequence.settings,
+            others=people[:k] + people[k + 1 :],
+        )
+        for k, (motion, body) in enumerate(people)
+    )  # fmt: skip
     if not any(each.holds for each in found):
         return sequence
     warn(f"{path}: {'; '.join(each.summary() for each in found if each.holds)}")

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.adaptation import arm_pose, feet, press, sharing
+from halfphysics.adaptation import arm_pose, feet, handles, press, sharing
 from halfphysics.adaptation.feet import Foot
 from halfphysics.adaptation.fingers import closed
 from halfphysics.adaptation.grips import Place, fingers_at, fingers_known, places
@@ -139,6 +139,7 @@ def adapt(
     body = Body.default() if body is None else body
     settings = Settings() if settings is None else settings
     people = [(m, Body.default() if b is None else b) for m, b in others]
+    how = _How(motion, scene, body, settings, grip, people)
     hands = [hand for side in SIDES if (hand := Hand.of(body, side)) is not None]
     out, holds = motion, []
     for name, track in (recorded or {}).items():
@@ -150,81 +151,96 @@ def adapt(
         if name not in scene.objects or far > _FAR:
             continue
         thing = Thing.of(scene.objects[name], track)
-        friction = scene.friction_of(PERSON, name)
+        found = []
         for hold in recorded_holds(motion, body, hands, thing):
-            its = places(motion, body, hold, friction)
-            theirs = sharing.others_places(people, thing, hold, friction)
-            load = sharing.load(hold, motion.fps, scene.gravity)
-            both = sharing.shared(its, theirs, thing, load, friction) if grip and theirs else None
-            if both is None:
-                force = _force(hold, its, friction, motion.fps, scene.gravity) if grip else 0.0
-                forces: tuple[float, ...] = (force,) * len(its)
-            else:
-                its, forces = both
-            moved, pressed = [], 0.0
-            for place, arrives, force in zip(its, hold.arrives, forces, strict=True):
-                # What lies on a palm needs no grip: the drive holds the palm where it is.
-                bears = both is not None and sharing.bears(place, load)
-                squeeze = _SQUEEZE if grip and not bears else 0.0
-                force = 0.0 if bears else force
-                pressed = max(pressed, force)
-                out, away = _held(out, body, hold, place, arrives, force, squeeze, settings)
-                moved.append(away)
-            parts = tuple(place.hand.name for place in its)
-            holds.append(AdaptedHold(name, parts, hold.first, hold.last, pressed, tuple(moved)))
-        out, more = _without_hands(out, motion, scene, body, thing, holds, grip, settings)
-        holds += more
+            out, held = _in_hands(out, hold, how)
+            found.append(held)
+        out, more = _without_hands(out, thing, found, how)
+        holds += [*found, *more]
     return Adaptation(out, motion, tuple(sorted(holds, key=lambda h: h.first)))
 
 
-def _without_hands(
-    out: Motion,
-    motion: Motion,
-    scene: Scene,
-    body: Body,
-    thing: Thing,
-    holds: Sequence[AdaptedHold],
-    grip: bool,
-    settings: Settings,
-) -> tuple[Motion, list[AdaptedHold]]:
-    """A motion whose feet are kept on what they push, and what they do; who sits is only told.
+@dataclass(frozen=True, eq=False)
+class _How:
+    """What is known beside a hold: the recorded motion, and the arguments of `adapt`."""
 
-    Where hands hold the thing, they move it; where a person sits on it, feet are below it.
+    motion: Motion
+    scene: Scene
+    body: Body
+    settings: Settings
+    grip: bool
+    people: Sequence[tuple[Motion, Body]]
+
+
+def _in_hands(out: Motion, hold: RecordedHold, how: _How) -> tuple[Motion, AdaptedHold]:
+    """A motion whose hands hold a thing, and how."""
+    motion, body, thing = how.motion, how.body, hold.thing
+    friction, gravity = how.scene.friction_of(PERSON, thing.name), how.scene.gravity
+    its = places(motion, body, hold, friction)
+    # Recorded fingers are kept: they close around what they pull.
+    unknown = len(its) == 1 and not fingers_known(motion, its[0].hand)
+    if unknown and how.grip and handles.slides(hold):
+        hook = handles.hook_of(body, hold, its[0])
+        if hook is not None:
+            out, away = handles.held(out, body, hold, hook, hold.arrives[0])
+            return out, _adapted(hold, (hook.hand.name,), 0.0, (away,))
+    theirs = sharing.others_places(how.people, thing, hold, friction) if how.grip else ()
+    load = sharing.load(hold, motion.fps, gravity)
+    both = sharing.shared(its, theirs, thing, load, friction) if theirs else None
+    if both is None:
+        force = _force(hold, its, friction, motion.fps, gravity) if how.grip else 0.0
+        forces: tuple[float, ...] = (force,) * len(its)
+    else:
+        its, forces = both
+        # What lies on a palm needs no grip: the drive holds the palm where it is.
+        below = [sharing.bears(place, load) for place in its]
+        forces = tuple(0.0 if b else f for b, f in zip(below, forces, strict=True))
+    moved = []
+    for place, arrives, force in zip(its, hold.arrives, forces, strict=True):
+        squeeze = _SQUEEZE if how.grip and (both is None or force > 0.0) else 0.0
+        out, away = _held(out, body, hold, place, arrives, force, squeeze, how.settings)
+        moved.append(away)
+    names = tuple(place.hand.name for place in its)
+    return out, _adapted(hold, names, max(forces), tuple(moved))
+
+
+def _without_hands(
+    out: Motion, thing: Thing, held: Sequence[AdaptedHold], how: _How
+) -> tuple[Motion, list[AdaptedHold]]:
+    """A motion whose feet are kept on what they push, and how; who sits is only told.
+
+    Where hands hold the thing they move it; where a person sits on it feet are below it.
     """
-    busy = [(h.first, h.last) for h in holds if h.object == thing.name]
+    body, settings = how.body, how.settings
     found: list[AdaptedHold] = []
-    for hold in _free(recorded_holds(motion, body, [Seat(body)], thing), busy):
-        names = tuple(part.name for part in hold.parts)
-        found.append(AdaptedHold(thing.name, names, hold.first, hold.last, 0.0, (0.0,)))
-        busy.append((hold.first, hold.last))
+    for hold in _free(recorded_holds(how.motion, body, [Seat(body)], thing), held):
+        found.append(_adapted(hold, (hold.parts[0].name,), 0.0, (0.0,)))
     both = [foot for side in SIDES if (foot := Foot.of(body, side)) is not None]
-    for hold in _free(recorded_holds(motion, body, both, thing), busy):
-        friction = max((scene.friction_of(thing.name, name) for name in scene.statics), default=0.0)
-        done: list[tuple[str, float]] = []
+    for hold in _free(recorded_holds(how.motion, body, both, thing), [*held, *found]):
+        pushing = [foot for foot in both if foot in hold.parts]
+        out, moved = feet.kept_all(out, body, pushing, hold)
         force = 0.0
-        for part, arrives in zip(hold.parts, hold.arrives, strict=True):
-            foot = next(each for each in both if each.name == part.name)
-            made = feet.kept(out, body, foot, hold, arrives)
-            if made is None:
-                continue
-            out = made[0]
-            done.append((foot.name, made[1]))
-            if grip and settings.drive_time is not None:
-                force = friction * thing.item.mass * float(np.linalg.norm(scene.gravity))
-                force = min(force / len(hold.parts), _MOST_FORCE)
-                out = feet.pushed(
-                    out, body, foot, hold, force,
-                    stiffness=_stiffness(settings, foot), time=settings.drive_time,
-                )  # fmt: skip
-        if done:
-            names, moved = zip(*done, strict=True)
-            found.append(AdaptedHold(thing.name, names, hold.first, hold.last, force, moved))
+        if how.grip and settings.drive_time is not None and moved:
+            force = min(feet.friction_below(how.scene, thing) / len(moved), _MOST_FORCE)
+        for foot in [f for f in pushing if force and f.name in moved]:
+            out = feet.pushed(
+                out, body, foot, hold, force,
+                stiffness=_stiffness(settings, foot), time=settings.drive_time or 0.0,
+            )  # fmt: skip
+        if moved:
+            found.append(_adapted(hold, tuple(moved), force, tuple(moved.values())))
     return out, found
 
 
-def _free(holds: Sequence[RecordedHold], busy: Sequence[tuple[int, int]]) -> list[RecordedHold]:
-    """Holds that share no frame with the `busy` ones."""
-    return [h for h in holds if all(h.first > b or h.last < a for a, b in busy)]
+def _adapted(
+    hold: RecordedHold, parts: tuple[str, ...], force: float, moved: tuple[float, ...]
+) -> AdaptedHold:
+    return AdaptedHold(hold.thing.name, parts, hold.first, hold.last, force, moved)
+
+
+def _free(holds: Sequence[RecordedHold], held: Sequence[AdaptedHold]) -> list[RecordedHold]:
+    """Holds that share no frame with those that are adapted already."""
+    return [h for h in holds if all(h.first > o.last or h.last < o.first for o in held)]
 
 
 def _force(

@@ -9,6 +9,7 @@ press.py does: targets go beyond.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from halfphysics.adaptation.thing import Thing
     from halfphysics.body.body import Body
     from halfphysics.motion.motion import Motion
+    from halfphysics.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -97,6 +99,25 @@ class Foot:
         if not len(own):
             return None
         return cls(side, (hip, knee, ankle), toe, own.astype(np.int32))
+
+
+def kept_all(
+    motion: Motion, body: Body, which: Sequence[Foot], hold: RecordedHold
+) -> tuple[Motion, dict[str, float]]:
+    """`kept` of several feet of a hold; of those that are, how far they were moved [m], by name."""
+    arrives = {part.name: frame for part, frame in zip(hold.parts, hold.arrives, strict=True)}
+    moved = {}
+    for foot in which:
+        made = kept(motion, body, foot, hold, arrives[foot.name])
+        if made is not None:
+            motion, moved[foot.name] = made
+    return motion, moved
+
+
+def friction_below(scene: Scene, thing: Thing) -> float:
+    """What friction with what a thing stands on takes at most [N], whichever static that is."""
+    most = max((scene.friction_of(thing.name, name) for name in scene.statics), default=0.0)
+    return most * thing.item.mass * float(np.linalg.norm(scene.gravity))
 
 
 def kept(

@@ -78,11 +78,15 @@ def test_only_the_arm_and_its_fingers_move(take, hold, hook):
     assert np.array_equal(motion.translation, was.translation)
 
 
-def test_recorded_fingers_are_kept():
-    known = drawer(DrawerCase(0.25, True, "gap"))
+def test_recorded_fingers_are_kept_and_pull_at_once():
+    """A hand that was recorded 2 cm too far in: without the hook the drawer is late by 5 cm."""
+    known = drawer(DrawerCase(0.3, False, "inside"))
     sequence = known.sequence()
     made = hp.adapt(known.motions[0], sequence.scene, known.bodies[0], sequence.recorded)
     assert [held.parts for held in made.holds] == [("right_wrist",)]
+    assert made.holds[0].moved[0] > 0.02
+    got = hp.simulate(made.motion, sequence.scene, body=known.bodies[0]).objects["drawer"]
+    assert 0.9 * 0.3 < got.position[0, 0] - got.position[:, 0].min() < 1.1 * 0.3
 
 
 def test_it_is_pulled_without_recorded_fingers(take):

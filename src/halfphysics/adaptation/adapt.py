@@ -177,11 +177,14 @@ def _in_hands(out: Motion, hold: RecordedHold, how: _How) -> tuple[Motion, Adapt
     motion, body, thing = how.motion, how.body, hold.thing
     friction, gravity = how.scene.friction_of(PERSON, thing.name), how.scene.gravity
     its = places(motion, body, hold, friction)
-    # Recorded fingers are kept: they close around what they pull.
-    unknown = len(its) == 1 and not fingers_known(motion, its[0].hand)
-    if unknown and how.grip and handles.slides(hold):
-        hook = handles.hook_of(body, hold, its[0])
-        if hook is not None:
+    if len(its) == 1 and how.grip and handles.slides(hold):
+        # Recorded fingers are kept: they close around what they pull.
+        known = fingers_known(motion, its[0].hand)
+        recorded = fingers_at(motion, its[0], hold.middle) if known else None
+        hook = handles.hook_of(body, hold, its[0], recorded)
+        if hook is not None and known:
+            its = (handles.taut(its[0], hook),)
+        elif hook is not None:
             out, away = handles.held(out, body, hold, hook, hold.arrives[0])
             return out, _adapted(hold, (hook.hand.name,), 0.0, (away,))
     theirs = sharing.others_places(how.people, thing, hold, friction) if how.grip else ()

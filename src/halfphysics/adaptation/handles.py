@@ -1,17 +1,17 @@
 """A hand that pulls: fingers hooked behind a bar or a rim of a thing that slides.
 
 A drawer is neither lifted nor gripped: its way is level and straight, and something bears it. Where
-one hand moves such a thing and its fingers were not recorded, fingers are curled and the hand is
-moved to the nearest place from which they meet the thing's far side as it is pulled: of all hooks
-of the fingers and depths of the hand that are free of the thing and meet it with fingers, the
-nearest to the recording. The hand comes there from outside, fingers curled, and leaves so. When the
-thing goes back, the hand first goes back by the play between its two sides, so that it pushes at
-once.
+one hand moves such a thing it is moved to the nearest place from which fingers meet the thing's far
+side as it is pulled: of all hooks of the fingers and depths of the hand that are free of the thing
+and meet it with fingers, the nearest to the recording. Fingers that were recorded are kept, and
+close around what they meet; others are hooked: the hand comes from outside, fingers curled, and
+leaves so. When the thing goes back, a hooked hand first goes back by the play between its two
+sides, so that it pushes at once.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -92,13 +92,16 @@ def slides(hold: RecordedHold) -> bool:
     )
 
 
-def hook_of(body: Body, hold: RecordedHold, place: Place) -> Hook | None:
+def hook_of(
+    body: Body, hold: RecordedHold, place: Place, recorded: Array | None = None
+) -> Hook | None:
     """The hook nearest to how a hand was recorded.
 
     Args:
         body: The person's body.
         hold: What the hand pulls, and when.
         place: How the hand was recorded: `Place.seen` and `Place.seen_turn`.
+        recorded: Rotations of its fingers (15, 3), where they were recorded: no others are tried.
 
     None: nowhere near do fingers meet a far side of the thing.
     """
@@ -111,7 +114,8 @@ def hook_of(body: Body, hold: RecordedHold, place: Place) -> Hook | None:
     own = every[:: max(1, len(every) // _SAMPLES)].astype(np.int32)
     finger = _finger_of(body, hand, own)
     best, found = np.inf, None
-    for fingers in (_flexed(hand, *hook) for hook in _HOOKS):
+    hooks = [_flexed(hand, *hook) for hook in _HOOKS] if recorded is None else [recorded]
+    for fingers in hooks:
         skin = wrist + _skin(body, hand, fingers, own) @ place.seen_turn.T
         for depth in _DEPTHS:
             met = _met(hold.thing, skin + depth * out, way, finger)
@@ -123,6 +127,12 @@ def hook_of(body: Body, hold: RecordedHold, place: Place) -> Hook | None:
             if cost < best:
                 best, found = cost, Hook(hand, shift, way, out, fingers, play)
     return found
+
+
+def taut(place: Place, hook: Hook) -> Place:
+    """A place of a hand that closes around a thing, moved along the pull to where it meets it."""
+    along = float((hook.shift - (place.point - place.seen)) @ hook.way)
+    return replace(place, point=place.point + along * hook.way)
 
 
 def held(

@@ -39,7 +39,7 @@ PARAMETERS = {
     "Motion.rebased": "self body up",
     "clips": "path",
     "export": "what path * body fps",
-    "adapt": "motion scene body recorded * settings grip",
+    "adapt": "motion scene body recorded * settings grip others",
     "load_sequence": "path assets * objects adapt grip ground fps up hands model gender frames "
     "clip",
     "Pose": "translation rotations axes stiffness_scale",

@@ -333,7 +333,7 @@ def test_a_file_of_omomo_is_carried(tmp_path):
     made = recording(Case("smalltable", "walk", "air", noise="gap", fingers=False))
     path = write_omomo([made], tmp_path)
     sequence, said = read(path)
-    assert "hands adapted to what they hold: smalltable" in said
+    assert "adapted to what is held: smalltable" in said
     result = hp.simulate(sequence.motion, sequence.scene, body=sequence.body)
     heights = [track.position[:, 2] for track in (result.objects["smalltable"], made.track)]
     got, recorded = (float(height.max() - height[0]) for height in heights)

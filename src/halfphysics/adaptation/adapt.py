@@ -8,17 +8,19 @@ own motion is never touched: friction lifts it, or does not.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.adaptation import arm_pose, press
+from halfphysics.adaptation import arm_pose, feet, handles, press, sharing
+from halfphysics.adaptation.feet import Foot
 from halfphysics.adaptation.fingers import closed
 from halfphysics.adaptation.grips import Place, fingers_at, fingers_known, places
 from halfphysics.adaptation.hands import SIDES, Hand
+from halfphysics.adaptation.parts import Limb, Seat, told
 from halfphysics.adaptation.recorded_holds import RecordedHold, recorded_holds
 from halfphysics.adaptation.thing import Thing
 from halfphysics.adaptation.timing import Timing
@@ -80,17 +82,15 @@ class Adaptation:
         """What was adapted and by how much, in one line."""
         if not self.holds:
             return "nothing is held: the motion is as recorded"
-        told = []
+        told_of = []
         for hold in self.holds:
-            names = " and ".join(part.split("_")[0] for part in hold.parts)
-            palms = " and ".join(f"{100.0 * moved:.1f}" for moved in hold.moved)
-            told.append(
+            away = " and ".join(f"{100.0 * moved:.1f}" for moved in hold.moved)
+            told_of.append(
                 f"{hold.object} from {hold.first / self.motion.fps:.1f} to "
-                f"{hold.last / self.motion.fps:.1f} s in the {names} hand, "
-                f"moved by {palms} cm"
+                f"{hold.last / self.motion.fps:.1f} s {told(hold.parts)}, moved by {away} cm"
                 + (f" and pressing with {hold.force:.0f} N" if hold.force else "")
             )
-        return f"hands adapted to what they hold: {'; '.join(told)}"
+        return f"adapted to what is held: {'; '.join(told_of)}"
 
 
 def adapt(
@@ -101,6 +101,7 @@ def adapt(
     *,
     settings: Settings | None = None,
     grip: bool = True,
+    others: Sequence[tuple[Motion, Body | None]] = (),
 ) -> Adaptation:
     """Adapt a recorded motion to the things that it held.
 
@@ -111,6 +112,8 @@ def adapt(
         recorded: Name of an object -> its recorded poses, T frames.
         settings: How it will be simulated: the drive that presses. None: the defaults.
         grip: Hands press with what the load needs. False: they touch.
+        others: Recorded motions and bodies (None: the default one) of other people in the scene:
+            what their hands hold, too, they bear together.
 
     Raises:
         InputError: A track of another length than the motion.
@@ -121,9 +124,10 @@ def adapt(
     body = Body.default() if body is None else body
     settings = Settings() if settings is None else settings
     motion = motion if motion.recorded is None else motion.recorded
+    people = [(m, Body.default() if b is None else b) for m, b in others]
+    how = _How(motion, scene, body, settings, grip, people)
     hands = [hand for side in SIDES if (hand := Hand.of(body, side)) is not None]
     out, holds = motion, []
-    firmer = np.ones((len(motion), N_JOINTS))
     for name, track in (recorded or {}).items():
         if len(track) != len(motion):
             raise InputError(
@@ -133,32 +137,110 @@ def adapt(
         if name not in scene.objects or far > _FAR:
             continue
         thing = Thing.of(scene.objects[name], track)
-        friction = scene.friction_of(PERSON, name)
+        found = []
         for hold in recorded_holds(motion, body, hands, thing):
-            its = places(motion, body, hold, friction)
-            force = _force(hold, its, friction, motion.fps, scene.gravity) if grip else 0.0
-            moved = []
-            for place, arrives in zip(its, hold.arrives, strict=True):
-                squeeze = _SQUEEZE if grip else 0.0
-                timing = Timing.of(
-                    *(hold, arrives, len(motion), motion.fps),
-                    grasps=place.grasps,
-                    unseen=not fingers_known(motion, place.hand),
-                )
-                out, away = _held(out, body, hold, place, timing, force, squeeze, settings)
-                moved.append(away)
-                if grip:
-                    firmer = np.maximum(firmer, press.firmer(place.hand, timing.presses))
-            parts = tuple(f"{place.hand.side}_wrist" for place in its)
-            when, record = (hold.first, hold.last), (track.position, track.quaternion)
-            holds.append(AdaptedHold(name, parts, *when, force, tuple(moved), *record))
+            out, held = _in_hands(out, hold, how)
+            found.append(held)
+        out, more = _without_hands(out, thing, found, how)
+        holds += [*found, *more]
     if not holds:
         return Adaptation(motion)
-    if (firmer > 1.0).any():
-        usual = 1.0 if motion.stiffness_scale is None else motion.stiffness_scale
-        out = replace(out, stiffness_scale=usual * firmer)
     holds.sort(key=lambda h: h.first)
     return Adaptation(replace(out, holds=tuple(holds), recorded=motion))
+
+
+@dataclass(frozen=True, eq=False)
+class _How:
+    """What is known beside a hold: the recorded motion, and the arguments of `adapt`."""
+
+    motion: Motion
+    scene: Scene
+    body: Body
+    settings: Settings
+    grip: bool
+    people: Sequence[tuple[Motion, Body]]
+
+
+def _in_hands(out: Motion, hold: RecordedHold, how: _How) -> tuple[Motion, AdaptedHold]:
+    """A motion whose hands hold a thing, and how."""
+    motion, body, thing = how.motion, how.body, hold.thing
+    friction, gravity = how.scene.friction_of(PERSON, thing.name), how.scene.gravity
+    its = places(motion, body, hold, friction)
+    if len(its) == 1 and how.grip and handles.slides(hold):
+        # Recorded fingers are kept: they close around what they pull.
+        known = fingers_known(motion, its[0].hand)
+        recorded = fingers_at(motion, its[0], hold.middle) if known else None
+        hook = handles.hook_of(body, hold, its[0], recorded)
+        if hook is not None and known:
+            its = (handles.taut(its[0], hook),)
+        elif hook is not None:
+            out, away = handles.held(out, body, hold, hook, hold.arrives[0])
+            return out, _adapted(hold, (hook.hand.name,), 0.0, (away,))
+    theirs = sharing.others_places(how.people, thing, hold, friction) if how.grip else ()
+    load = sharing.load(hold, motion.fps, gravity)
+    both = sharing.shared(its, theirs, thing, load, friction) if theirs else None
+    if both is None:
+        force = _force(hold, its, friction, motion.fps, gravity) if how.grip else 0.0
+        forces: tuple[float, ...] = (force,) * len(its)
+    else:
+        its, forces = both
+        # What lies on a palm needs no grip: the drive holds the palm where it is.
+        below = [sharing.bears(place, load) for place in its]
+        forces = tuple(0.0 if b else f for b, f in zip(below, forces, strict=True))
+    moved = []
+    for place, arrives, force in zip(its, hold.arrives, forces, strict=True):
+        timing = Timing.of(
+            *(hold, arrives, len(motion), motion.fps),
+            grasps=place.grasps,
+            unseen=not fingers_known(motion, place.hand),
+        )
+        squeeze = _SQUEEZE if how.grip and (both is None or force > 0.0) else 0.0
+        out, away = _held(out, body, hold, place, timing, force, squeeze, how.settings)
+        if how.grip:
+            out = _tensed(out, motion, place.hand, timing)
+        moved.append(away)
+    names = tuple(place.hand.name for place in its)
+    return out, _adapted(hold, names, max(forces), tuple(moved))
+
+
+def _without_hands(
+    out: Motion, thing: Thing, held: Sequence[AdaptedHold], how: _How
+) -> tuple[Motion, list[AdaptedHold]]:
+    """A motion whose feet are kept on what they push, and how; who sits is only told.
+
+    Where hands hold the thing they move it; where a person sits on it feet are below it.
+    """
+    body, settings = how.body, how.settings
+    found: list[AdaptedHold] = []
+    for hold in _free(recorded_holds(how.motion, body, [Seat(body)], thing), held):
+        found.append(_adapted(hold, (hold.parts[0].name,), 0.0, (0.0,)))
+    both = [foot for side in SIDES if (foot := Foot.of(body, side)) is not None]
+    for hold in _free(recorded_holds(how.motion, body, both, thing), [*held, *found]):
+        pushing = [foot for foot in both if foot in hold.parts]
+        out, moved = feet.kept_all(out, body, pushing, hold)
+        force = 0.0
+        if how.grip and settings.drive_time is not None and moved:
+            force = min(feet.friction_below(how.scene, thing) / len(moved), _MOST_FORCE)
+        for foot in [f for f in pushing if force and f.name in moved]:
+            out = feet.pushed(
+                out, body, foot, hold, force,
+                stiffness=_stiffness(settings, foot), time=settings.drive_time or 0.0,
+            )  # fmt: skip
+        if moved:
+            found.append(_adapted(hold, tuple(moved), force, tuple(moved.values())))
+    return out, found
+
+
+def _adapted(
+    hold: RecordedHold, parts: tuple[str, ...], force: float, moved: tuple[float, ...]
+) -> AdaptedHold:
+    record = hold.thing.position, rot.from_matrix(hold.thing.turn)
+    return AdaptedHold(hold.thing.name, parts, hold.first, hold.last, force, moved, *record)
+
+
+def _free(holds: Sequence[RecordedHold], held: Sequence[AdaptedHold]) -> list[RecordedHold]:
+    """Holds that share no frame with those that are adapted already."""
+    return [h for h in holds if all(h.first > o.last or h.last < o.first for o in held)]
 
 
 def _force(
@@ -213,7 +295,7 @@ def _held(
     rotations = np.array(motion.rotations)
     rotations[np.ix_(pressing, np.array(hand.pressing))] = press.pressed(
         motion, body, hand, pressing, push,
-        stiffness=_stiffness(settings, hand), time=settings.drive_time,
+        stiffness=press.ARM * _stiffness(settings, hand), time=settings.drive_time,
     )  # fmt: skip
     return motion.with_frames(motion.translation, rotations), away
 
@@ -262,6 +344,16 @@ def _reached(
     return turn, palm - turn @ hand.palm, away
 
 
+def _tensed(out: Motion, recorded: Motion, hand: Hand, timing: Timing) -> Motion:
+    """The motion with an arm that is firmer while it holds, by the most of all its holds."""
+    usual = np.ones((len(out), N_JOINTS))
+    if recorded.stiffness_scale is not None:
+        usual = recorded.stiffness_scale
+    before = usual if out.stiffness_scale is None else out.stiffness_scale
+    scale = np.maximum(before, usual * press.firmer(hand, timing.presses))
+    return replace(out, stiffness_scale=scale)
+
+
 def _closed(
     motion: Motion,
     body: Body,
@@ -292,9 +384,9 @@ def _closed(
     return motion.with_frames(motion.translation, rotations)
 
 
-def _stiffness(settings: Settings, hand: Hand) -> float:
-    """lambda of an arm: that of its shoulder."""
+def _stiffness(settings: Settings, hand: Limb) -> float:
+    """lambda of a limb: that of its shoulder or hip."""
     value = settings.stiffness
     if isinstance(value, JointValues):
-        return float(value.resolve(1.0)[hand.arm[0]])
+        return float(value.resolve(1.0)[hand.limb[0]])
     return float(value)  # type: ignore[arg-type]

@@ -1,4 +1,5 @@
-"""Arms whose hands are moved: joint angles next to the recorded ones, by damped least squares.
+"""Limbs whose hands or feet are moved: joint angles next to the recorded ones, by damped least
+squares.
 
     minimise |J dq - e|^2 + mu^2 |W^-1/2 dq|^2,   dq = W J^T (J W J^T + mu^2)^-1 e
 
@@ -19,7 +20,7 @@ from halfphysics.base import rotations as rot
 from halfphysics.motion.skeleton import PARENTS
 
 if TYPE_CHECKING:
-    from halfphysics.adaptation.hands import Hand
+    from halfphysics.adaptation.parts import Limb
     from halfphysics.body.body import Body
     from halfphysics.motion.motion import Motion
 
@@ -34,34 +35,41 @@ _WEIGHTS = np.array([1.0, 1.0, 1.0, 0.3, 1.0, 0.02, 0.6, 0.6, 0.6])
 
 
 def moved(
-    motion: Motion, body: Body, hand: Hand, frames: NDArray[np.int64], wrist: Array, turn: Array
+    motion: Motion,
+    body: Body,
+    hand: Limb,
+    frames: NDArray[np.int64],
+    wrist: Array,
+    turn: Array,
+    willing: Array = _WEIGHTS,
 ) -> Array:
     """Rotations of an arm that put its hand somewhere else.
 
     Args:
         motion: The motion, T frames.
         body: The person's body.
-        hand: Which hand.
+        hand: Which hand, or foot.
         frames: Of which frames (n,).
-        wrist: Positions of the wrist there (n, 3) [m].
+        wrist: Positions of the wrist there (n, 3) [m], or of the ankle.
         turn: Rotations of the hand, world from wrist (n, 3, 3).
+        willing: How willingly the nine angles change: W.
 
     Returns:
         Axis-angles (n, 3, 3) of shoulder, elbow and wrist. What is out of reach is approached.
     """
     positions, quaternions = (x[frames] for x in body.joint_frames(motion))
-    collar = rot.to_matrix(quaternions[:, PARENTS[hand.arm[0]]])
-    shoulder = positions[:, hand.arm[0]]
+    collar = rot.to_matrix(quaternions[:, PARENTS[hand.limb[0]]])
+    shoulder = positions[:, hand.limb[0]]
     rest = np.asarray(body.rest_joints)
-    bones = [rest[b] - rest[a] for a, b in pairwise(hand.arm)]
-    local = [rot.to_matrix(rot.exp(motion.rotations[frames][:, j])) for j in hand.arm]
+    bones = [rest[b] - rest[a] for a, b in pairwise(hand.limb)]
+    local = [rot.to_matrix(rot.exp(motion.rotations[frames][:, j])) for j in hand.limb]
     for _ in range(_ROUNDS):
         turns, places = chain(collar, shoulder, local, bones)
         lacks = rot.matrix_to_rotvec(turn @ np.swapaxes(turns[2], 1, 2))
         error = np.concatenate([_capped(wrist - places[2]), _capped(_ARM * lacks)], axis=1)
         jacobian = jacobians(turns, places)
         jacobian[:, 3:] *= _ARM
-        weighted = jacobian * _WEIGHTS
+        weighted = jacobian * willing
         square = weighted @ np.swapaxes(jacobian, 1, 2) + _DAMPING**2 * np.eye(6)
         step = np.einsum("nij,ni->nj", weighted, np.linalg.solve(square, error[..., None])[..., 0])
         for k in range(3):

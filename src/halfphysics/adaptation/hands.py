@@ -55,6 +55,21 @@ class Hand:
         return self.arm[2]
 
     @property
+    def name(self) -> str:
+        """The joint that stands for it."""
+        return f"{self.side}_wrist"
+
+    @property
+    def limb(self) -> tuple[int, int, int]:
+        """The joints that place it: its arm."""
+        return self.arm
+
+    @property
+    def beyond(self) -> tuple[int, ...]:
+        """The joints beyond its wrist: its fingers."""
+        return self.fingers
+
+    @property
     def pressing(self) -> tuple[int, ...]:
         """Indices of the joints that give way as the hand presses: the collar and the arm."""
         return (int(PARENTS[self.arm[0]]), *self.arm)

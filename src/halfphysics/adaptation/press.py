@@ -28,26 +28,25 @@ from halfphysics.motion.skeleton import N_JOINTS, PARENTS
 
 if TYPE_CHECKING:
     from halfphysics.adaptation.hands import Hand
+    from halfphysics.adaptation.parts import Limb
     from halfphysics.body.body import Body
     from halfphysics.motion.motion import Motion
 
 Array = NDArray[np.float64]
 
 #: A hand that presses turns its fingers inwards until its wrist could bear this share of the force
-#: at the finger tips: what is held does not turn between two heels of hands. 0 lets a suitcase of
-#: 6 kg swing by 25 degrees; from 2 on the fingers, which reach around a bowl, push it out.
-_TIPS_BEAR = 0.7
-#: Where they bear: this far from the wrist, as a multiple of the way to the middle of the palm.
-_TIPS_AT = 1.5
+#: at the last joints of the fingers: what is held does not turn between two heels of hands. 0 lets a
+#: suitcase of 6 kg swing by 25 degrees; from 1.5 on fingers, which reach around a bowl, push it out.
+_TIPS_BEAR = 0.5
 #: Who holds something makes collar, shoulder and elbow so much firmer than by the settings, the
 #: wrist, and the fingers. Without it a tray tips by 25 degrees, a small table by 38.
-_ARM, _WRIST, _FINGERS = 10.0, 30.0, 3.0
+ARM, _WRIST, _FINGERS = 10.0, 30.0, 3.0
 
 
 def pressed(
     motion: Motion,
     body: Body,
-    hand: Hand,
+    hand: Limb,
     frames: NDArray[np.int64],
     force: Array,
     *,
@@ -62,7 +61,7 @@ def pressed(
         hand: Which hand.
         frames: Of which frames (n,).
         force: What the palm is to press with, in the world (n, 3) [N].
-        stiffness: lambda of the arm.
+        stiffness: lambda of the arm as it presses: that of the settings, `ARM` times.
         time: tau [s].
 
     Returns:
@@ -80,33 +79,39 @@ def pressed(
     matrix = _inertia(body, hand, turns, places, positions, quaternions)
     mean = np.diagonal(matrix, axis1=1, axis2=2).reshape(len(matrix), -1, 3).mean(axis=2)
     at = np.arange(matrix.shape[1])
-    matrix[:, at, at] += _ARM * stiffness * np.repeat(mean, 3, axis=1)
+    matrix[:, at, at] += stiffness * np.repeat(mean, 3, axis=1)
     pull = np.einsum("nij,ni->nj", jacobians(turns[:-1], places[:-1], places[-1])[:, :3], force)
     beyond = time**2 * np.linalg.solve(matrix, pull[..., None])[..., 0]
     for k in range(len(joints) - 1):
         local[k] = local[k] @ rot.rotvec_to_matrix(beyond[:, 3 * k : 3 * k + 3])
     after, _ = chain(rot.to_matrix(quaternions[:, parent]), positions[:, joints[0]], local, bones)
-    way = np.cross(turns[-1] @ hand.ahead, force)
-    size = np.linalg.norm(way, axis=1, keepdims=True)
-    curl = _curl(body, hand, np.linalg.norm(force, axis=1), stiffness, time)
-    flat = rot.rotvec_to_matrix(curl[:, None] * way / np.maximum(size, 1e-9)) @ turns[-1]
+    flat = turns[-1]
+    if hand.ahead.any():
+        way = np.cross(turns[-1] @ hand.ahead, force)
+        way /= np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-9)
+        wrist = _WRIST / ARM * stiffness
+        curl = _curl(body, hand, np.linalg.norm(force, axis=1), wrist, time)
+        flat = rot.rotvec_to_matrix(curl[:, None] * way) @ flat
     local[-1] = local[-1] @ np.swapaxes(after[-1], 1, 2) @ flat
     return np.stack([rot.matrix_to_rotvec(m) for m in local], axis=1)
 
 
-def _curl(body: Body, hand: Hand, force: Array, stiffness: float, time: float) -> Array:
-    """Turns of a wrist (n,) [rad] whose fingers then bear their share of a force (n,) [N]."""
+def _curl(body: Body, hand: Limb, force: Array, stiffness: float, time: float) -> Array:
+    """Turns of a wrist (n,) [rad] whose fingers then bear their share of a force (n,) [N].
+
+    Against (1 + lambda) I / tau^2 of the wrist, lambda its `stiffness`, I the inertia of the hand.
+    """
     rest, parts = np.asarray(body.rest_joints), body.variant.parts
+    wrist, fingers = hand.pressing[-1], list(hand.beyond)
     inertia = 0.0
-    for joint in (hand.wrist, *hand.fingers):
-        away = rest[joint] + parts[joint].com - rest[hand.wrist]
+    for joint in (wrist, *fingers):
+        away = rest[joint] + parts[joint].com - rest[wrist]
         about = parts[joint].inertia + parts[joint].mass * (
             away @ away * np.eye(3) - np.outer(away, away)
         )
         inertia += float(np.trace(about)) / 3.0
-    palm = float(np.linalg.norm(hand.palm))
-    moment = _TIPS_BEAR * force * _TIPS_AT * palm
-    out: Array = moment * time**2 / ((1.0 + _WRIST * stiffness) * inertia)
+    lever = float(np.linalg.norm(rest[fingers] - rest[wrist], axis=1).max())
+    out: Array = _TIPS_BEAR * force * lever * time**2 / ((1.0 + stiffness) * inertia)
     return out
 
 
@@ -114,7 +119,7 @@ def firmer(hand: Hand, presses: Array) -> Array:
     """How much firmer a hand that holds makes all joints (T, 55), by shares of its force (T,)."""
     out = np.ones((len(presses), N_JOINTS))
     *arm, wrist = hand.pressing
-    out[:, arm] += (_ARM - 1.0) * presses[:, None]
+    out[:, arm] += (ARM - 1.0) * presses[:, None]
     out[:, wrist] += (_WRIST - 1.0) * presses
     out[:, list(hand.fingers)] += (_FINGERS - 1.0) * presses[:, None]
     return out
@@ -122,7 +127,7 @@ def firmer(hand: Hand, presses: Array) -> Array:
 
 def _inertia(
     body: Body,
-    hand: Hand,
+    hand: Limb,
     turns: list[Array],
     places: list[Array],
     positions: Array,
@@ -134,7 +139,7 @@ def _inertia(
     parts = body.variant.parts
     for k, joint in enumerate(joints):
         last = k == len(joints) - 1
-        for index in (joint, *((hand.wrist, *hand.fingers) if last else ())):
+        for index in (joint, *((hand.pressing[-1], *hand.beyond) if last else ())):
             part = parts[index]
             turn = rot.to_matrix(quaternions[:, index])
             centre = positions[:, index] + turn @ part.com

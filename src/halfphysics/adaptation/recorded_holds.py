@@ -1,9 +1,10 @@
-"""When recorded hands hold a recorded thing, from distances and relative speeds.
+"""When recorded parts of a person hold a recorded thing, from distances and relative speeds.
 
-A thing moves where its recorded poses do. A hand belongs to it in frames in which its inner side is
-near the thing's surface and slow against it, with hysteresis: sensors err by centimetres. A hold
-lasts while the thing moves or rests with the hands still at it; who is there most of the time it
-moves holds it. Nothing here knows of contact or weight.
+Parts are hands, feet that push, or the seat (parts.py). A thing moves where its recorded poses do.
+A part belongs to it in frames in which its skin is near the thing's surface and slow against it,
+with hysteresis: sensors err by centimetres. A hold lasts while the thing moves or rests with the
+parts still at it; who is there most of the time it moves holds it. Nothing here knows of contact or
+weight.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.adaptation.hands import Hand
+from halfphysics.adaptation.parts import Part
 from halfphysics.adaptation.thing import Thing
 
 if TYPE_CHECKING:
@@ -46,25 +48,30 @@ _NEAREST = 0.1
 
 @dataclass(frozen=True, eq=False)
 class RecordedHold:
-    """A thing in the hands of one person.
+    """A thing held by parts of one person.
 
     Attributes:
         thing: What is held.
-        hands: Who holds it.
+        parts: What holds it.
         first: Frame in which it begins to move.
         last: Last frame in which it is held.
-        arrives: Per hand, the first frame in which it is at the thing.
-        rests: Last frame in which it moves.
+        arrives: Per part, the first frame in which it is at the thing.
         kept: The recording ends with the thing in the hands.
+        rests: Last frame in which the thing moves.
     """
 
     thing: Thing
-    hands: tuple[Hand, ...]
+    parts: tuple[Part, ...]
     first: int
     last: int
     arrives: tuple[int, ...]
-    rests: int
     kept: bool
+    rests: int
+
+    @property
+    def hands(self) -> tuple[Hand, ...]:
+        """Those of its parts that are hands."""
+        return tuple(part for part in self.parts if isinstance(part, Hand))
 
     @property
     def middle(self) -> int:
@@ -73,19 +80,19 @@ class RecordedHold:
 
 
 def recorded_holds(
-    motion: Motion, body: Body, hands: Sequence[Hand], thing: Thing
+    motion: Motion, body: Body, parts: Sequence[Part], thing: Thing
 ) -> list[RecordedHold]:
-    """All holds of a thing by a person's hands, in the order of time.
+    """All holds of a thing by parts of a person, in the order of time.
 
     Args:
         motion: The recorded motion, T frames.
         body: The person's body.
-        hands: Hands of that body.
+        parts: Of that body, of one kind: hands, feet or the seat.
         thing: With poses for each of the T frames.
     """
-    if not hands:
+    if not parts:
         return []
-    seen = [_Seen.of(motion, body, hand, thing) for hand in hands]
+    seen = [_Seen.of(motion, body, part, thing) for part in parts]
     at = [each.at for each in seen]
     found = []
     for first, last in _moving(thing, motion.fps, np.any(at, axis=0)):
@@ -104,12 +111,12 @@ def recorded_holds(
         found.append(
             RecordedHold(
                 thing=thing,
-                hands=tuple(hands[k] for k in there),
+                parts=tuple(parts[k] for k in there),
                 first=first,
                 last=end,
                 arrives=tuple(arrives),
-                rests=last,
                 kept=end == len(motion) - 1,
+                rests=min(last, end),
             )
         )
     return found
@@ -117,7 +124,7 @@ def recorded_holds(
 
 @dataclass(frozen=True, eq=False)
 class _Seen:
-    """One hand against a thing, frame by frame.
+    """One part against a thing, frame by frame.
 
     Attributes:
         gap: How far the nearest of its inner side is from the surface (T,) [m].
@@ -130,8 +137,8 @@ class _Seen:
     at: Mask
 
     @classmethod
-    def of(cls, motion: Motion, body: Body, hand: Hand, thing: Thing) -> _Seen:
-        points = thing.seen(body.vertices(motion, indices=hand.inner))
+    def of(cls, motion: Motion, body: Body, part: Part, thing: Thing) -> _Seen:
+        points = thing.seen(body.vertices(motion, indices=part.inner))
         gaps = np.abs(thing.gaps(points))
         count = max(1, round(_NEAREST * gaps.shape[1]))
         nearest = np.argpartition(gaps, count - 1, axis=1)[:, :count]

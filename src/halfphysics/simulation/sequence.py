@@ -63,10 +63,14 @@ class Sequence:
         """
         from halfphysics.adaptation.adapt import adapt
 
+        people = [(m.recorded or m, b) for m, b in zip(self.motions, self.bodies, strict=True)]
         found = tuple(
-            adapt(motion, self.scene, body, self.recorded, settings=self.settings, grip=grip).motion
-            for motion, body in zip(self.motions, self.bodies, strict=True)
-        )
+            adapt(
+                motion, self.scene, body, self.recorded, settings=self.settings, grip=grip,
+                others=people[:k] + people[k + 1 :],
+            ).motion
+            for k, (motion, body) in enumerate(zip(self.motions, self.bodies, strict=True))
+        )  # fmt: skip
         if all(a is b for a, b in zip(found, self.motions, strict=True)):
             return self
         return replace(self, motion=found[0] if isinstance(self.motion, Motion) else found)

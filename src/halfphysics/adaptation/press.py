@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 #: A hand that presses turns its fingers inwards until its wrist could bear this share of the force
-#: at the last joints of the fingers: what is held does not turn between two heels of hands. 0 lets a
-#: suitcase of 6 kg swing by 25 degrees; from 1.5 on fingers, which reach around a bowl, push it out.
+#: at the last joints of the fingers: what is held does not turn between two heels of hands. 0 lets
+#: a suitcase of 6 kg swing by 25 degrees; from 1.5 on fingers reach around a bowl and push it out.
 _TIPS_BEAR = 0.5
 #: Who holds something makes collar, shoulder and elbow so much firmer than by the settings, the
 #: wrist, and the fingers. Without it a tray tips by 25 degrees, a small table by 38.

@@ -97,5 +97,5 @@ def test_it_is_pulled_without_recorded_fingers(take):
         for m in (made.motion, take.motions[0])
     )
     assert got[0] - got.min() > 0.9 * 0.25
-    assert bare[0] - bare.min() < 0.5 * 0.25
+    assert bare[0] - bare.min() < 0.8 * 0.25
     assert got[0] - got[-1] < 0.03  # and pushed back

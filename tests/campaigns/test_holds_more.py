@@ -79,6 +79,12 @@ def test_adapted_it_is_as_recorded(case):
     assert row["elsewhere_mm"] < 10.0
 
 
+def test_a_hand_comes_to_the_bar_and_leaves_it_without_passing_through():
+    take = take_of(DrawerCase(0.25))
+    frames = np.arange(0, len(take.motions[0]), 2)
+    assert take.distances(0, PARTS["right_wrist"], frames).min() > 0.0
+
+
 def test_a_crate_falls_without_adaptation():
     assert "lifted" in run(ROUGH[1], "bare")["failed"]
 

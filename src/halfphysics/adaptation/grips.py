@@ -252,7 +252,10 @@ def _opposed(
 def _bearing(
     thing: Thing, candidates: list[_Candidates], ahead: list[Array], up: Array
 ) -> tuple[int, int]:
-    """The best two places that bear from below: the weight is above the hands, palm to fingers."""
+    """The best two places that bear from below: the weight is above the hands, palm to fingers.
+
+    What is beyond reach, another one bears: then they stay where they are.
+    """
     a, b = candidates
     along = ahead[0] + ahead[1]
     along = along - (along @ up) * up
@@ -260,6 +263,8 @@ def _bearing(
     middle = 0.5 * (a.points[:, None] + b.points[None])
     beyond = (thing.item.com - middle) @ along
     off = np.maximum(beyond - _BEARS[1], 0.0) + np.maximum(_BEARS[0] - beyond, 0.0)
+    if off[0, 0] > _AROUND:
+        return 0, 0
     below = np.maximum(-a.normals @ up, 0.0)[:, None] * np.maximum(-b.normals @ up, 0.0)
     cost = (a.away[:, None] / _FAR) ** 2 + (b.away[None] / _FAR) ** 2 + below * (off / _TIPS) ** 2
     i, j = np.unravel_index(int(np.argmin(cost)), cost.shape)

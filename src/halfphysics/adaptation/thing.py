@@ -27,18 +27,23 @@ class Thing:
         name: Its name in the scene.
         item: The object.
         position: Of its frame (T, 3) [m].
-        turn: Of its frame, world from object (T, 3, 3).
+        quaternion: Of its frame (T, 4).
     """
 
     name: str
     item: Object
     position: Array
-    turn: Array
+    quaternion: Array
 
     @classmethod
     def of(cls, item: Object, track: ObjectTrack) -> Thing:
         """An object and its recorded track."""
-        return cls(item.name, item, track.position, rot.to_matrix(track.quaternion))
+        return cls(item.name, item, track.position, track.quaternion)
+
+    @cached_property
+    def turn(self) -> Array:
+        """Rotation of its frame, world from object (T, 3, 3)."""
+        return rot.to_matrix(self.quaternion)
 
     @cached_property
     def _triangles(self) -> tuple[Array, NDArray[np.int32]]:

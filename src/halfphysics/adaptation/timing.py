@@ -1,10 +1,10 @@
 """When a hand comes, closes, presses, lets go and leaves: shares of the adaptation over time.
 
-comes      within 0.6 s, from its recorded way to that, shifted
+comes      within 0.5 s, from its recorded way to that, shifted
 closes     0.4 s, until 0.3 s before the thing moves: the palm onto the surface, fingers around
 presses    a rise of 0.4 s, in full 0.15 s before the thing moves
 lets go    over the last 0.3 s in which the thing rests in the hands, or 0.1 s around their end
-leaves     the surface within 0.35 s, and is on its recorded way again after 0.9 s
+leaves     the surface within 0.35 s, and is on its recorded way again after 0.8 s
 
 All are as slow as they can be: a hand that jerks pushes what it should hold.
 """
@@ -30,7 +30,7 @@ TOUCHES = 0.3
 CLOSES = 0.4
 #: A hand goes from its recorded way to the shifted one within this time [s], and is there when it
 #: is near the thing, but not earlier or later than this before it touches [s].
-COMES, EARLY, LATE = 0.6, 0.3, 0.2
+COMES, EARLY, LATE = 0.5, 0.2, 0.15
 #: In a clip that starts shortly before, it takes this long for that, if there is time [s].
 HASTE = 0.3
 #: It presses in full so long before the thing moves, after a rise of this time [s].
@@ -46,7 +46,7 @@ GRASP_OPENS, GRASP_OPENING = 0.15, 0.4
 #: has not left it before: nobody recorded that its fingers opened.
 UNSEEN = 0.5
 #: A hand is back on its recorded way within the second, from the first after it let go on [s].
-LEAVES, GOES = 0.1, 0.8
+LEAVES, GOES = 0.1, 0.7
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +92,7 @@ class Timing:
             comes = min(max(arrives / fps, touches - EARLY), touches - LATE)
             pressing = hold.first / fps - AHEAD
             share = _rises(time, comes - COMES, max(comes, min(touches, HASTE)))
-            if arrives == 0:  # it is there when the clip starts
+            if arrives == 0 and comes <= COMES:  # it is there when the clip starts
                 share = np.ones(frames)
             closed = _rises(time, touches - CLOSES, touches)
             presses = _rises(time, pressing - RISES, pressing)

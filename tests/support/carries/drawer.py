@@ -34,6 +34,8 @@ BAR, OUT, HALF = 0.012, 0.062, 0.07
 HEIGHT = 0.92
 #: The hand is closed as around a bar of this radius [m]: loosely.
 LOOSE = 0.025
+#: How far a hand that comes is closed.
+HALF_CLOSED = 0.7
 #: The chest's sides leave this much [m].
 PLAY = 0.002
 #: Friction of its runners, and its mass [kg].
@@ -109,11 +111,14 @@ def drawer(case: DrawerCase) -> Take:
     pulled = case.distance * pulled
     hold = int(np.ceil(first * FPS - 1e-6)), int(np.floor(last * FPS + 1e-6))
     near, touch = ease((times - COME) / REACH), ease((times - COME - REACH) / TOUCH)
-    closed = ease((times - first + CLOSE) / CLOSE) * (1.0 - ease((times - last) / CLOSE))
+    # Half closed on the way: straight fingers would pass through the front.
+    shut = ease((times - first + CLOSE) / CLOSE) * (1.0 - ease((times - last) / CLOSE))
+    half = near * (1.0 - ease((times - last - CLOSE - AWAY) / 0.8))
+    closed = HALF_CLOSED * half + (1.0 - HALF_CLOSED) * shut
     touch = touch * (1.0 - ease((times - last - CLOSE) / AWAY))
     near = near * (1.0 - ease((times - last - CLOSE - AWAY) / 0.8))
     grasp = thing.grasps["right"]
-    waits = -0.07 * np.asarray(grasp.facing)
+    waits = np.array([0.0, 0.0, 0.09])
     open_ = (1.0 - near)[:, None] * np.asarray(grasp.ready) + near[:, None] * waits
     rng = np.random.default_rng([case.seed, zlib.crc32(case.id.encode())])
     low, high = NOISE

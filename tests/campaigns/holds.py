@@ -5,7 +5,8 @@
                           [--only suitcase,-gap-] [--case ID] [--seconds 600] [--shard 0/2]
                           [--summary] [--against other.jsonl]
 
-`bare` simulates a recording as it is, `adapted` what `halfphysics.adapt` makes of its motion,
+`unsized` simulates a recording as it is with the default body, `bare` with one of the recorded
+person's size, `adapted` what `halfphysics.adapt` makes of its motion,
 `contact` the same without a grip. Every case is written as a file of a data set's layout, the
 layouts in turn (`mixed`), in all (`each`) or in one, or not at all (`memory`), and loaded by
 `load_sequence` with its defaults; what things stand on is added where the layout has none. One row
@@ -37,7 +38,7 @@ from support.carries.loaded import MEMORY, loaded
 from support.carries.people import bones_work
 from support.carries.recordings import recording
 
-HOWS = ("bare", "contact", "adapted")
+HOWS = ("unsized", "bare", "contact", "adapted")
 #: All layouts in turn; every case in all layouts and from memory.
 MIXED, EACH = "mixed", "each"
 #: The recording of the last case, which may be run in several layouts.
@@ -53,7 +54,8 @@ def run(case, how="bare", layout=MEMORY):
         recorded = time.perf_counter()
         its = loaded(made, layout, how)
         adapted = time.perf_counter()
-        result = simulate(its.sequence.motion, its.sequence.scene, body=its.sequence.body)
+        body = None if how == "unsized" else its.sequence.body
+        result = simulate(its.sequence.motion, its.sequence.scene, body=body)
     sides = list(made.thing.grasps)
     row = {
         "id": case.id,

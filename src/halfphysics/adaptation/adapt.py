@@ -194,7 +194,7 @@ def _in_hands(out: Motion, hold: RecordedHold, how: _How) -> tuple[Motion, Adapt
             grasps=place.grasps,
             unseen=not fingers_known(motion, place.hand),
         )
-        squeeze = _SQUEEZE if how.grip and (place.grasps or force > 0.0) else 0.0
+        squeeze = _SQUEEZE if how.grip and (both is None or force > 0.0) else 0.0
         out, away = _held(out, body, hold, place, timing, force, squeeze, how.settings)
         if how.grip:
             out = _tensed(out, motion, place.hand, timing)

@@ -55,7 +55,7 @@ def loaded(made: Recording, layout: str, how: str) -> Loaded:
     """A recording, `bare`, in `contact` or `adapted`, from memory or from a file of a layout."""
     if layout == MEMORY:
         sequence = made.sequence()
-        prepared = sequence if how == "bare" else _adapted(sequence, how)
+        prepared = sequence if how in ("unsized", "bare") else _adapted(sequence, how)
         return Loaded(prepared, sequence.motion, made, np.zeros(3), 0.0)
     module, fps = LAYOUTS[layout]
     made = at_rate(made, fps)

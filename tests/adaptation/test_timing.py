@@ -30,7 +30,7 @@ def test_far_from_the_hold_nothing_is_adapted():
     arrives = FIRST - 60  # a second before it moves
     t = Timing.of(hold(), arrives, FRAMES, FPS)
     before = arrives - int(timing.COMES * FPS)
-    after = LAST + int((timing.LEAVES + timing.GOES) * FPS) + 1
+    after = LAST + int((timing.LEAVES + timing.GOES) * FPS) + 2
     for share in (t.share, t.fixed, t.presses):
         assert not share[:before].any()
         assert not share[after:].any()
@@ -82,6 +82,9 @@ def test_what_is_held_from_the_start_is_held_in_the_first_frame():
 
 
 def test_a_hand_that_is_there_as_the_clip_starts_is_beside_the_thing_and_not_in_it():
-    t = Timing.of(hold(), 0, FRAMES, FPS)
-    assert (t.share[: FIRST + 1] == 1.0).all()
+    early = int((timing.FROM_START + timing.TOUCHES) * FPS) - 1
+    t = Timing.of(hold(first=early), 0, FRAMES, FPS)
+    assert (t.share[:early] == 1.0).all()
     assert t.closed[0] == t.fixed[0] == t.presses[0] == 0.0
+    late = Timing.of(hold(first=early + 60), 0, FRAMES, FPS)
+    assert late.share[0] == 0.0

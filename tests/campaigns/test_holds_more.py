@@ -104,13 +104,13 @@ def test_a_read_sequence_has_everybody_adapted_with_the_others():
     take = take_of(SharedCase("crate", 0.5))
     sequence = take.sequence()
     with pytest.warns(HalfPhysicsWarning, match="crate from .* in the left and right hand"):
-        made = registry._adapted(sequence, Path("crate.npz"))
-    assert len(made.adaptations) == len(made.motions) == 2
+        made = registry.adapted(sequence, Path("crate.npz"))
+    assert len(made.motions) == 2
     for k, (motion, body) in enumerate(zip(take.motions, take.bodies, strict=True)):
         other = [(take.motions[1 - k], take.bodies[1 - k])]
         alone = hp.adapt(motion, sequence.scene, body, sequence.recorded)
         both = hp.adapt(motion, sequence.scene, body, sequence.recorded, others=other)
-        assert made.adaptations[k].holds[0].force == both.holds[0].force
+        assert made.motions[k].holds[0].force == both.holds[0].force
         assert both.holds[0].force < 0.85 * alone.holds[0].force
         assert np.array_equal(made.motions[k].rotations, both.motion.rotations)
 

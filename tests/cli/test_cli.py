@@ -112,8 +112,8 @@ def test_a_recorded_carry(folder, carried_file, capsys):
         assert err.count("halfphysics: warning: ") == 1
         lines = err.splitlines()
         assert lines[0].startswith(f"halfphysics: warning: {carried_file}, clip 'sub1_suitcase")
-        (said,) = [line for line in lines if "hands adapted" in line]
-        assert said.startswith("  hands adapted to what they hold: suitcase")
+        (said,) = [line for line in lines if "adapted to what" in line]
+        assert said.startswith("  adapted to what is held: suitcase")
         assert "(--no-ground: none)" in err
         assert "holds suitcase with left and right hand" in out
         assert run("evaluate", "r.npz", "--json", "r.json") == 0
@@ -129,7 +129,7 @@ def test_a_recorded_carry(folder, carried_file, capsys):
             run("simulate", str(carried_file), "--no-adapt", "--no-ground", "--out", "b.npz") == 0
         )
     out, err = capsys.readouterr()
-    assert "hands adapted" not in err
+    assert "adapted to what" not in err
     assert "'ground'" not in err
     assert "holds suitcase" not in out
     bare = hp.Result.load("b.npz")
@@ -311,7 +311,7 @@ def test_mistakes_of_simulate(what, mistaken, monkeypatch, capsys):
         (["evaluate", "walk.npz", "--reference", "no.npz"], r"no\.npz: no such file"),
         (["convert", "walk.npz"], "OUT"),
         (["convert", "walk.npz", "x.fbx"], r"found suffix '\.fbx', expected one of .*\.npz"),
-        (["convert", "walk.npz", "x.npz", "--format", "amas"], "expected one of amass-smplx"),
+        (["convert", "walk.npz", "x.npz", "--format", "amas"], "expected one of .*amass-smplx"),
         (["convert", "walk.npz", "x.npz", "--to-fps", "-1"], "fps: found -1"),
         (
             ["convert", "walk.npz", "x.npz", "--to-fps", "1e9"],

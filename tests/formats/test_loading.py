@@ -29,7 +29,7 @@ def test_all_that_was_assumed_and_adapted_is_one_line(carried_file):
     (line,) = told
     assert "\n" not in line
     assert line.count(str(carried_file)) == 1
-    for part in ("clip 'sub1_suitcase_000': ", "bones", "weighs", "'ground'", "hands adapted to"):
+    for part in ("clip 'sub1_suitcase_000': ", "bones", "weighs", "'ground'", "adapted to what"):
         assert part in line
     assert [hold.object for hold in sequence.motion.holds] == ["suitcase"]
     with warnings.catch_warnings(record=True) as caught:
@@ -43,12 +43,12 @@ def test_all_that_was_assumed_and_adapted_is_one_line(carried_file):
 def test_adapting_and_the_grip_are_options(carried_file):
     whole, _ = read(carried_file)
     bare, told = read(carried_file, MotionOptions(adapt=False))
-    assert "hands adapted" not in told[0]
+    assert "adapted to what is held" not in told[0]
     assert bare.motion.holds == ()
     assert bare.motion.recorded is None
     assert np.array_equal(bare.motion.rotations, whole.motion.recorded.rotations)
     touching, told = read(carried_file, MotionOptions(grip=False))
-    assert "hands adapted" in told[0]
+    assert "adapted to what is held" in told[0]
     assert "pressing" not in told[0]
     assert touching.motion.holds[0].force == 0.0
     with pytest.warns(hp.HalfPhysicsWarning):

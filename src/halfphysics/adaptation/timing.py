@@ -4,7 +4,7 @@ comes      within 0.5 s, from its recorded way to that, shifted
 closes     0.4 s, until 0.3 s before the thing moves: the palm onto the surface, fingers around
 presses    a rise of 0.4 s, in full 0.15 s before the thing moves
 lets go    over the last 0.3 s in which the thing rests in the hands, or 0.1 s around their end
-leaves     the surface within 0.35 s, and is on its recorded way again after 0.8 s
+leaves     the surface within 0.35 s, and is on its recorded way again after 0.65 s
 
 All are as slow as they can be: a hand that jerks pushes what it should hold.
 """
@@ -33,6 +33,9 @@ CLOSES = 0.4
 COMES, EARLY, LATE = 0.5, 0.2, 0.15
 #: In a clip that starts shortly before, it takes this long for that, if there is time [s].
 HASTE = 0.3
+#: A hand that is at the thing from the clip's start on and comes within this time [s] is there at
+#: once: its recorded place may be inside the thing.
+FROM_START = 1.5
 #: It presses in full so long before the thing moves, after a rise of this time [s].
 AHEAD, RISES = 0.15, 0.4
 #: Its force falls within this time until it lets go, from when the thing rests; within the second,
@@ -46,7 +49,7 @@ GRASP_OPENS, GRASP_OPENING = 0.15, 0.4
 #: has not left it before: nobody recorded that its fingers opened.
 UNSEEN = 0.5
 #: A hand is back on its recorded way within the second, from the first after it let go on [s].
-LEAVES, GOES = 0.1, 0.7
+LEAVES, GOES = 0.1, 0.55
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +95,7 @@ class Timing:
             comes = min(max(arrives / fps, touches - EARLY), touches - LATE)
             pressing = hold.first / fps - AHEAD
             share = _rises(time, comes - COMES, max(comes, min(touches, HASTE)))
-            if arrives == 0 and comes <= COMES:  # it is there when the clip starts
+            if arrives == 0 and comes < FROM_START:
                 share = np.ones(frames)
             closed = _rises(time, touches - CLOSES, touches)
             presses = _rises(time, pressing - RISES, pressing)

@@ -61,12 +61,12 @@ HUMAN: JointValues = JointValues(
             for finger in _FINGERS
             for k, torque in ((1, 0.8), (2, 0.4), (3, 0.2))
         },
-        # A thumb bears what four fingers press against it with; half of a tip pinch of 50 to 80 N
+        # A thumb bears what four fingers press against it with; a third of a tip pinch of 50 to 80 N
         # (Mathiowetz et al. 1985, Arch Phys Med Rehabil 66) at the lengths of its bones.
         **{
             f"{side}_thumb{k}": torque
             for side in ("left", "right")
-            for k, torque in ((1, 3.2), (2, 1.6), (3, 0.8))
+            for k, torque in ((1, 2.4), (2, 1.2), (3, 0.6))
         },
     }
 )

@@ -166,7 +166,8 @@ def _in_hands(out: Motion, hold: RecordedHold, how: _How) -> tuple[Motion, Adapt
     motion, body, thing = how.motion, how.body, hold.thing
     friction, gravity = how.scene.friction_of(PERSON, thing.name), how.scene.gravity
     its = places(motion, body, hold, friction)
-    if len(its) == 1 and how.grip and handles.slides(hold):
+    pulls = len(its) == 1 and how.grip and handles.slides(hold)
+    if pulls:
         # Recorded fingers are kept: they close around what they pull.
         known = fingers_known(motion, its[0].hand)
         recorded = fingers_at(motion, its[0], hold.middle) if known else None
@@ -197,7 +198,8 @@ def _in_hands(out: Motion, hold: RecordedHold, how: _How) -> tuple[Motion, Adapt
         squeeze = _SQUEEZE if how.grip and (both is None or force > 0.0) else 0.0
         out, away = _held(out, body, hold, place, timing, force, squeeze, how.settings)
         if how.grip:
-            out = _tensed(out, motion, place.hand, timing)
+            firmer = press.firmer(place.hand, timing.presses, pulls=pulls)
+            out = _tensed(out, motion, firmer)
         moved.append(away)
     names = tuple(place.hand.name for place in its)
     return out, _adapted(hold, names, max(forces), tuple(moved))
@@ -344,13 +346,13 @@ def _reached(
     return turn, palm - turn @ hand.palm, away
 
 
-def _tensed(out: Motion, recorded: Motion, hand: Hand, timing: Timing) -> Motion:
-    """The motion with an arm that is firmer while it holds, by the most of all its holds."""
+def _tensed(out: Motion, recorded: Motion, firmer: Array) -> Motion:
+    """The motion with joints that are firmer (T, 55) while it holds, by the most of all holds."""
     usual = np.ones((len(out), N_JOINTS))
     if recorded.stiffness_scale is not None:
         usual = recorded.stiffness_scale
     before = usual if out.stiffness_scale is None else out.stiffness_scale
-    scale = np.maximum(before, usual * press.firmer(hand, timing.presses))
+    scale = np.maximum(before, usual * firmer)
     return replace(out, stiffness_scale=scale)
 
 

@@ -41,6 +41,8 @@ _TIPS_BEAR = 0.5
 #: Who holds something makes collar, shoulder and elbow so much firmer than by the settings, the
 #: wrist, and the fingers. Without it a tray tips by 25 degrees, a small table by 38.
 ARM, _WRIST, _FINGERS = 10.0, 30.0, 3.0
+#: Fingers that pull a drawer by its bar: a pull opens them.
+_PULLING = 6.0
 
 
 def pressed(
@@ -115,13 +117,20 @@ def _curl(body: Body, hand: Limb, force: Array, stiffness: float, time: float) -
     return out
 
 
-def firmer(hand: Hand, presses: Array) -> Array:
-    """How much firmer a hand that holds makes all joints (T, 55), by shares of its force (T,)."""
+def firmer(hand: Hand, presses: Array, *, pulls: bool = False) -> Array:
+    """How much firmer a hand that holds makes all joints (T, 55).
+
+    Args:
+        hand: Which hand.
+        presses: Shares of its force (T,).
+        pulls: It pulls with its fingers.
+    """
     out = np.ones((len(presses), N_JOINTS))
     *arm, wrist = hand.pressing
     out[:, arm] += (ARM - 1.0) * presses[:, None]
     out[:, wrist] += (_WRIST - 1.0) * presses
-    out[:, list(hand.fingers)] += (_FINGERS - 1.0) * presses[:, None]
+    fingers = _PULLING if pulls else _FINGERS
+    out[:, list(hand.fingers)] += (fingers - 1.0) * presses[:, None]
     return out
 
 

@@ -61,8 +61,8 @@ HUMAN: JointValues = JointValues(
             for finger in _FINGERS
             for k, torque in ((1, 0.8), (2, 0.4), (3, 0.2))
         },
-        # A thumb bears what four fingers press against it with; a third of a tip pinch of 50 to 80 N
-        # (Mathiowetz et al. 1985, Arch Phys Med Rehabil 66) at the lengths of its bones.
+        # A thumb bears what four fingers press against it with: a third of a tip pinch of 50 to
+        # 80 N (Mathiowetz et al. 1985, Arch Phys Med Rehabil 66) at the lengths of its bones.
         **{
             f"{side}_thumb{k}": torque
             for side in ("left", "right")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
-from halfphysics.adaptation import sharing
+from halfphysics.adaptation import loads, sharing
 from halfphysics.adaptation.grips import Place
 from halfphysics.adaptation.hands import SIDES, Hand
 from halfphysics.adaptation.recorded_holds import recorded_holds
@@ -107,7 +107,7 @@ def test_the_others_hands_are_found_while_they_hold(crate):
 
 def test_the_load_is_weight_and_acceleration(crate):
     thing, (hold,) = holds(crate, 0)
-    load = sharing.load(hold, 30.0, np.array([0.0, 0.0, -9.81]))
+    load = loads.load(hold, 30.0, np.array([0.0, 0.0, -9.81]))
     weight = thing.item.mass * 9.81
     assert weight < np.linalg.norm(load) < 1.2 * weight
     assert load[2] > 0.99 * np.linalg.norm(load)

@@ -15,20 +15,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.adaptation import arm_pose, feet, handles, press, sharing
+from halfphysics.adaptation import feet, handles, loads, one_hand, press, sharing
 from halfphysics.adaptation.feet import Foot
-from halfphysics.adaptation.fingers import closed
-from halfphysics.adaptation.grips import Place, fingers_at, fingers_known, places
+from halfphysics.adaptation.grips import fingers_at, fingers_known, places
 from halfphysics.adaptation.hands import SIDES, Hand
-from halfphysics.adaptation.parts import Limb, Seat, told
+from halfphysics.adaptation.parts import Seat, told
 from halfphysics.adaptation.recorded_holds import RecordedHold, recorded_holds
 from halfphysics.adaptation.thing import Thing
 from halfphysics.adaptation.timing import Timing
-from halfphysics.base import rotations as rot
-from halfphysics.body.joint_ranges import JointRanges, from_swing_twist
 from halfphysics.errors import InputError
 from halfphysics.motion.adapted_hold import AdaptedHold
-from halfphysics.motion.joint_groups import JointValues
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.scene.material_pairs import PERSON
 
@@ -41,18 +37,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: A palm comes to the surface from so far and leaves to there, and one whose fingers grasp [m].
-_OPEN, _GRASP_OPEN = 0.03, 0.01
-#: Palms touch at this distance from the surface [m]: contact keeps so much clear.
-_CLEARANCE = 0.001
-#: Forces against what friction needs, at least and at most [N].
-_MARGIN, _LEAST_FORCE, _MOST_FORCE = 2.0, 25.0, 150.0
-#: Radius at which a flat hand's friction holds against turning [m].
-_PALM = 0.05
 #: Fingers that hold a thing alone flex by this beyond where they touch [rad].
 _SQUEEZE = 0.1
-#: Accelerations of the recorded thing are taken over this time [s]: sensors shake.
-_SMOOTH = 0.2
 #: Nothing is held where something is farther from the origin than this [m]: a damaged file.
 _FAR = 1e5
 
@@ -178,10 +164,10 @@ def _in_hands(out: Motion, hold: RecordedHold, how: _How) -> tuple[Motion, Adapt
             out, away = handles.held(out, body, hold, hook, hold.arrives[0])
             return out, _adapted(hold, (hook.hand.name,), 0.0, (away,))
     theirs = sharing.others_places(how.people, thing, hold, friction) if how.grip else ()
-    load = sharing.load(hold, motion.fps, gravity)
+    load = loads.load(hold, motion.fps, gravity)
     both = sharing.shared(its, theirs, thing, load, friction) if theirs else None
     if both is None:
-        force = _force(hold, its, friction, motion.fps, gravity) if how.grip else 0.0
+        force = loads.between_palms(hold, its, load, friction) if how.grip else 0.0
         forces: tuple[float, ...] = (force,) * len(its)
     else:
         its, forces = both
@@ -196,7 +182,7 @@ def _in_hands(out: Motion, hold: RecordedHold, how: _How) -> tuple[Motion, Adapt
             unseen=not fingers_known(motion, place.hand),
         )
         squeeze = _SQUEEZE if how.grip and (both is None or force > 0.0) else 0.0
-        out, away = _held(out, body, hold, place, timing, force, squeeze, how.settings)
+        out, away = one_hand.held(out, body, hold, place, timing, force, squeeze, how.settings)
         if how.grip:
             firmer = press.firmer(place.hand, timing.presses, pulls=pulls)
             out = _tensed(out, motion, firmer)
@@ -222,11 +208,11 @@ def _without_hands(
         out, moved = feet.kept_all(out, body, pushing, hold)
         force = 0.0
         if how.grip and settings.drive_time is not None and moved:
-            force = min(feet.friction_below(how.scene, thing) / len(moved), _MOST_FORCE)
+            force = min(feet.friction_below(how.scene, thing) / len(moved), loads.MOST)
         for foot in [f for f in pushing if force and f.name in moved]:
             out = feet.pushed(
                 out, body, foot, hold, force,
-                stiffness=_stiffness(settings, foot), time=settings.drive_time or 0.0,
+                stiffness=press.stiffness_of(settings, foot), time=settings.drive_time or 0.0,
             )  # fmt: skip
         if moved:
             found.append(_adapted(hold, tuple(moved), force, tuple(moved.values())))
@@ -245,107 +231,6 @@ def _free(holds: Sequence[RecordedHold], held: Sequence[AdaptedHold]) -> list[Re
     return [h for h in holds if all(h.first > o.last or h.last < o.first for o in held)]
 
 
-def _force(
-    hold: RecordedHold, its: tuple[Place, ...], friction: float, fps: float, gravity: Array
-) -> float:
-    """What each hand presses with, so that friction bears weight and recorded acceleration [N]."""
-    if not any(place.presses.any() for place in its):
-        return 0.0
-    frames = slice(hold.first, hold.last + 1)
-    centre = hold.thing.centre[frames]
-    load = float(np.linalg.norm(gravity))
-    span = max(1, round(_SMOOTH * fps))
-    if len(centre) > 2 * span:
-        second = (centre[2 * span :] - 2.0 * centre[span:-span] + centre[: -2 * span]) * (
-            fps / span
-        ) ** 2
-        load = float(np.linalg.norm(second - gravity, axis=1).max())
-    mass = hold.thing.item.mass
-    slides = mass * load / (len(its) * max(friction, 1e-3))
-    # What hangs beside the line between the hands turns about it: the palms' friction holds that.
-    lever = hold.thing.item.com - its[0].point
-    lever = lever - (lever @ its[0].presses) * its[0].presses
-    up = np.einsum("tji,j->ti", hold.thing.turn[frames], [0.0, 0.0, 1.0])
-    beside = float(np.linalg.norm(lever - (up @ lever)[:, None] * up, axis=1).max())
-    turns = mass * load * beside / (len(its) * max(friction, 1e-3) * _PALM)
-    return float(np.clip(_MARGIN * max(slides, turns), _LEAST_FORCE, _MOST_FORCE))
-
-
-def _held(
-    motion: Motion,
-    body: Body,
-    hold: RecordedHold,
-    place: Place,
-    timing: Timing,
-    force: float,
-    squeeze: float,
-    settings: Settings,
-) -> tuple[Motion, float]:
-    """The motion with one hand at its place on the thing; how far its palm was moved [m]."""
-    hand = place.hand
-    frames = np.flatnonzero(timing.share > 0.0)
-    turn, wrist, away = _reached(motion, body, hold, place, timing, frames)
-    rotations = np.array(motion.rotations)
-    rows = np.ix_(frames, np.array(hand.arm))
-    rotations[rows] = arm_pose.moved(motion, body, hand, frames, wrist, turn)
-    motion = motion.with_frames(motion.translation, rotations)
-    motion = _closed(motion, body, hold, place, timing, squeeze)
-    pressing = np.flatnonzero(timing.presses > 0.0)
-    if force == 0.0 or settings.drive_time is None or not len(pressing):
-        return motion, away
-    push = timing.presses[pressing, None] * force * (hold.thing.turn[pressing] @ place.presses)
-    rotations = np.array(motion.rotations)
-    rotations[np.ix_(pressing, np.array(hand.pressing))] = press.pressed(
-        motion, body, hand, pressing, push,
-        stiffness=press.ARM * _stiffness(settings, hand), time=settings.drive_time,
-    )  # fmt: skip
-    return motion.with_frames(motion.translation, rotations), away
-
-
-def _reached(
-    motion: Motion,
-    body: Body,
-    hold: RecordedHold,
-    place: Place,
-    timing: Timing,
-    frames: NDArray[np.int64],
-) -> tuple[Array, Array, float]:
-    """Where a hand is to be, in the world: as recorded but for a constant shift, and at its place.
-
-    Args:
-        motion, body, hold, place: What is held, how.
-        timing: How far it is there, frame by frame.
-        frames: Frames (n,).
-
-    Returns:
-        Rotations of the hand (n, 3, 3), positions of the wrist (n, 3) [m], and how far the palm was
-        moved [m], the median over the hold.
-    """
-    hand, world = place.hand, hold.thing.turn[frames]
-    position, quaternion = (x[frames] for x in body.joint_frames(motion))
-    turn = rot.to_matrix(quaternion[:, hand.wrist])
-    palm = position[:, hand.wrist] + turn @ hand.palm
-    at = hold.thing.position[frames]
-    seen = np.einsum("tji,tj->ti", world, palm - at)
-    seen_turn = np.swapaxes(world, 1, 2) @ turn
-    held = timing.fixed[frames, None]
-    to = seen + place.point - place.seen
-    opening = _GRASP_OPEN if place.grasps else _OPEN
-    apart = opening * (1.0 - timing.closed[frames, None])
-    to = to + held * (place.point - to) + (_CLEARANCE + apart) * place.normal
-    shifted = place.turn @ place.seen_turn.T @ seen_turn
-    rest = rot.matrix_to_rotvec(place.turn @ np.swapaxes(shifted, 1, 2))
-    to_turn = world @ rot.rotvec_to_matrix(held * rest) @ shifted
-    to = at + np.einsum("tij,tj->ti", world, to)
-    part = timing.share[frames, None]
-    way = rot.matrix_to_rotvec(to_turn @ np.swapaxes(turn, 1, 2))
-    turn = rot.rotvec_to_matrix(part * way) @ turn
-    during = (frames >= hold.first) & (frames <= hold.last)
-    away = float(np.median(np.linalg.norm(to - palm, axis=1)[during]))
-    palm = palm + part * (to - palm)
-    return turn, palm - turn @ hand.palm, away
-
-
 def _tensed(out: Motion, recorded: Motion, firmer: Array) -> Motion:
     """The motion with joints that are firmer (T, 55) while it holds, by the most of all holds."""
     usual = np.ones((len(out), N_JOINTS))
@@ -354,41 +239,3 @@ def _tensed(out: Motion, recorded: Motion, firmer: Array) -> Motion:
     before = usual if out.stiffness_scale is None else out.stiffness_scale
     scale = np.maximum(before, usual * firmer)
     return replace(out, stiffness_scale=scale)
-
-
-def _closed(
-    motion: Motion,
-    body: Body,
-    hold: RecordedHold,
-    place: Place,
-    timing: Timing,
-    squeeze: float,
-) -> Motion:
-    """The motion with the fingers of a hand around what it holds, flexed beyond by a squeeze."""
-    known = fingers_known(motion, place.hand)
-    start = fingers_at(motion, place, hold.middle)
-    around = closed(body, hold.thing, place, start, known)
-    ranges = JointRanges.of(body)
-    frames = np.flatnonzero(timing.share > 0.0)
-    axes = ranges.axes[around.joints]
-    recorded = ranges.angles(motion.rotations[frames])[:, around.joints]
-    share, closes, presses = (
-        x[frames, None, None] for x in (timing.share, timing.closed, timing.presses)
-    )
-    target = around.angles + squeeze * presses * around.presses
-    if around.opened is None:
-        mixed = recorded + share * closes * (target - recorded)
-    else:
-        target = around.opened + closes * (target - around.opened)
-        mixed = recorded + share * (target - recorded)
-    rotations = np.array(motion.rotations)
-    rotations[np.ix_(frames, around.joints)] = from_swing_twist(mixed, axes)
-    return motion.with_frames(motion.translation, rotations)
-
-
-def _stiffness(settings: Settings, hand: Limb) -> float:
-    """lambda of a limb: that of its shoulder or hip."""
-    value = settings.stiffness
-    if isinstance(value, JointValues):
-        return float(value.resolve(1.0)[hand.limb[0]])
-    return float(value)  # type: ignore[arg-type]

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from halfphysics.adaptation.arm_pose import chain, jacobians
 from halfphysics.base import rotations as rot
+from halfphysics.motion.joint_groups import JointValues
 from halfphysics.motion.skeleton import N_JOINTS, PARENTS
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from halfphysics.adaptation.parts import Limb
     from halfphysics.body.body import Body
     from halfphysics.motion.motion import Motion
+    from halfphysics.settings import Settings
 
 Array = NDArray[np.float64]
 
@@ -132,6 +134,14 @@ def firmer(hand: Hand, presses: Array, *, pulls: bool = False) -> Array:
     fingers = _PULLING if pulls else _FINGERS
     out[:, list(hand.fingers)] += (fingers - 1.0) * presses[:, None]
     return out
+
+
+def stiffness_of(settings: Settings, hand: Limb) -> float:
+    """lambda of a limb: that of its shoulder or hip."""
+    value = settings.stiffness
+    if isinstance(value, JointValues):
+        return float(value.resolve(1.0)[hand.limb[0]])
+    return float(value)  # type: ignore[arg-type]
 
 
 def _inertia(

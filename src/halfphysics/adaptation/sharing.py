@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.adaptation import loads
 from halfphysics.adaptation.grips import Place, places
 from halfphysics.adaptation.hands import SIDES, Hand
 from halfphysics.adaptation.recorded_holds import RecordedHold, recorded_holds
@@ -33,20 +34,14 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Hands use this part of friction.
-_MARGIN = 2.0
 #: Edges of a cone, and the weight of c against the load.
 _EDGES, _EVEN = 12, 1e-4
 #: Torques count as forces at this lever [m].
 _LEVER = 0.3
 #: Hands that leave more than this part of the load to nobody cannot bear it.
 _LEFT = 0.1
-#: A hand presses with no more than this [N].
-_MOST = 150.0
 #: A hand bears from below where its push is this near to the load's direction, as a cosine.
 _BELOW = 0.7
-#: Accelerations of the recorded thing are taken over this time [s]: sensors shake.
-_SMOOTH = 0.2
 #: Of a hold, others hold at least this part of the time, to bear with it.
 _TOGETHER = 0.5
 
@@ -72,29 +67,6 @@ def others_places(
     return tuple(found)
 
 
-def load(hold: RecordedHold, fps: float, gravity: Array) -> Array:
-    """What bears a held thing, weight and recorded acceleration (3,) [N], in the thing's frame.
-
-    The largest while it is held, along its mean direction.
-
-    Args:
-        hold: What is held, and when.
-        fps: Frame rate [1/s].
-        gravity: (3,) [m/s^2].
-    """
-    during = slice(hold.first, hold.last + 1)
-    turn, span = hold.thing.turn[during], max(1, round(_SMOOTH * fps))
-    centre = hold.thing.centre[during]
-    needed = np.tile(-gravity, (len(centre), 1))
-    if len(centre) > 2 * span:
-        second = centre[2 * span :] - 2.0 * centre[span:-span] + centre[: -2 * span]
-        needed[span:-span] += second * (fps / span) ** 2
-    along = np.einsum("tji,tj->ti", turn, needed).mean(axis=0)
-    most = float(np.linalg.norm(needed, axis=1).max())
-    result: Array = hold.thing.item.mass * most * along / max(float(np.linalg.norm(along)), 1e-9)
-    return result
-
-
 def shared(
     own: Sequence[Place], theirs: Sequence[Place], thing: Thing, load: Array, friction: float
 ) -> tuple[tuple[Place, ...], tuple[float, ...]] | None:
@@ -112,7 +84,9 @@ def shared(
     from scipy.optimize import nnls
 
     every = [*own, *theirs]
-    edges = np.concatenate([_cone(-place.normal, friction / _MARGIN) for place in every], axis=1)
+    edges = np.concatenate(
+        [_cone(-place.normal, friction / loads.MARGIN) for place in every], axis=1
+    )
     points = np.repeat([place.point - thing.item.com for place in every], _EDGES, axis=0)
     torques = np.cross(points, edges.T).T / _LEVER
     size = float(np.linalg.norm(load))
@@ -126,7 +100,7 @@ def shared(
     ways = forces / np.maximum(sizes, 1e-9)[:, None]
     return (
         tuple(replace(place, presses=way) for place, way in zip(own, ways, strict=True)),
-        tuple(float(min(each, _MOST)) for each in sizes),
+        tuple(float(min(each, loads.MOST)) for each in sizes),
     )
 
 

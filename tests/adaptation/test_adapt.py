@@ -159,6 +159,12 @@ def test_a_track_of_another_length_is_refused(carry):
         adapt(carry.motion[:50], carry.scene, carry.body, carry.recorded)
 
 
+def test_others_of_another_length_are_refused(carry):
+    others = [(carry.motion, None), (carry.motion[:40], None)]
+    with pytest.raises(hp.InputError, match=r"others: motion 1 has 40 frames, expected"):
+        adapt(carry.motion, carry.scene, carry.body, carry.recorded, others=others)
+
+
 def test_algorithm_1_has_no_force_to_set(carry):
     """Without a time constant palms touch and do not press."""
     with warnings.catch_warnings():

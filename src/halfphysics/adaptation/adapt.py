@@ -102,7 +102,7 @@ def adapt(
             what their hands hold, too, they bear together.
 
     Raises:
-        InputError: A track of another length than the motion.
+        InputError: A track, or a motion of the others, of another length than the motion.
     """
     from halfphysics.body.body import Body
     from halfphysics.settings import Settings
@@ -110,6 +110,12 @@ def adapt(
     body = Body.default() if body is None else body
     settings = Settings() if settings is None else settings
     motion = motion if motion.recorded is None else motion.recorded
+    for number, (other, _) in enumerate(others):
+        if len(other) != len(motion):
+            raise InputError(
+                f"others: motion {number} has {len(other)} frames, expected {len(motion)} as the "
+                "motion that is adapted"
+            )
     people = [(m, Body.default() if b is None else b) for m, b in others]
     how = _How(motion, scene, body, settings, grip, people)
     hands = [hand for side in SIDES if (hand := Hand.of(body, side)) is not None]

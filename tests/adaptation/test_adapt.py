@@ -161,7 +161,7 @@ def test_a_track_of_another_length_is_refused(carry):
 
 def test_others_of_another_length_are_refused(carry):
     others = [(carry.motion, None), (carry.motion[:40], None)]
-    with pytest.raises(hp.InputError, match=r"others: motion 1 has 40 frames, expected"):
+    with pytest.raises(hp.errors.InputError, match=r"others: motion 1 has 40 frames, expected"):
         adapt(carry.motion, carry.scene, carry.body, carry.recorded, others=others)
 
 

@@ -19,7 +19,11 @@ def test_up_in_the_file_is_z_in_the_world(up, axis):
 
 
 def test_other_axes_are_refused():
-    assert set(AXES) == {"y", "z"}
+    assert set(AXES) == {"y", "z", "-y"}
+    for turn in AXES.values():
+        assert np.array_equal(turn @ turn.T, np.eye(3))
+        assert np.linalg.det(turn) == 1.0
+    assert np.array_equal(axes_of("-y") @ [0.0, -1.0, 0.0], [0.0, 0.0, 1.0])
     with pytest.raises(InputError, match="up: found 'x', expected 'z' or 'y'"):
         axes_of("x")
 

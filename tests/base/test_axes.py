@@ -24,7 +24,7 @@ def test_other_axes_are_refused():
         assert np.array_equal(turn @ turn.T, np.eye(3))
         assert np.linalg.det(turn) == 1.0
     assert np.array_equal(axes_of("-y") @ [0.0, -1.0, 0.0], [0.0, 0.0, 1.0])
-    with pytest.raises(InputError, match="up: found 'x', expected 'z' or 'y'"):
+    with pytest.raises(InputError, match="up: found 'x', expected one of z, y, -y"):
         axes_of("x")
 
 

@@ -18,6 +18,7 @@ from pathlib import Path
 
 from campaigns.holds import HOWS, read
 from halfphysics.simulation.simulate import simulate
+from support.carries.limits import failed, table
 from support.carries.take_cases import all_cases, name_of, take_of
 from support.carries.take_figures import CARRIED, LIMITS, take_figures
 
@@ -61,7 +62,7 @@ def run(case, how="bare"):
         "adapting_s": adapting,
         **take_figures(result, take, motions),
     }
-    row["failed"] = [limit.figure for limit in LIMITS if limit.holds(row) is False]
+    row["failed"] = failed(row, LIMITS)
     row["carried"] = not set(CARRIED) & set(row["failed"])
     return row
 
@@ -84,19 +85,6 @@ def campaign(cases, log, how="bare"):
             print(f"{row['id']}: {', '.join(row['failed']) or 'all kept'}", file=sys.stderr)
     rows = {row["id"]: row for row in read(log) if row["how"] == how}
     return [rows[name] for name in wanted if name in rows]
-
-
-def table(rows) -> str:
-    """One line a row: figures, those that miss their limit with a star."""
-    lines = [f"{'':52s}" + "".join(f"{limit.short:>11s}" for limit in LIMITS)]
-    for row in rows:
-        cells = []
-        for limit in LIMITS:
-            value = row.get(limit.figure)
-            shown = "-" if value is None else f"{float(value):.3g}"
-            cells.append(f"{shown + ('*' if limit.holds(row) is False else ''):>11s}")
-        lines.append(f"{row['id']:52s}" + "".join(cells))
-    return "\n".join(lines)
 
 
 def summary(rows) -> str:
@@ -137,7 +125,7 @@ def main():
         rows = [r for r in read(options.log) if r["how"] == options.how and r["id"] in names]
     else:
         rows = campaign(cases, options.log, options.how)
-    print(table(rows))
+    print(table(rows, LIMITS))
     print()
     print(summary(rows))
 

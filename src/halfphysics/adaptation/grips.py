@@ -18,8 +18,6 @@ from numpy.typing import NDArray
 from halfphysics.adaptation.hands import Hand
 from halfphysics.adaptation.recorded_holds import RecordedHold
 from halfphysics.base import rotations as rot
-from halfphysics.body import skinning
-from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS
 
 if TYPE_CHECKING:
     from halfphysics.adaptation.thing import Thing
@@ -137,12 +135,7 @@ def _grasp(body: Body, thing: Thing, hand: Hand, turn: Array, wrist: Array, pose
     Gauss-Newton on min_t sum_i w_i g_i(t)^2 + |t|^2 mu sum_i w_i, with g_i the distances of the
     inner side of the hand from the surface.
     """
-    rotations = np.zeros((1, N_JOINTS, 3))
-    rotations[0, list(hand.fingers)] = pose
-    rest = np.asarray(body.rest_joints)
-    at, turns = skinning.kinematics(rotations, rest[:1], rest)
-    skin = skinning.skin(body.skin, rotations, at, turns, indices=hand.inner)[0]
-    points = wrist + (skin - rest[hand.wrist]) @ turn.T
+    points = wrist + hand.skin(body, pose, hand.inner) @ turn.T
     moved = np.zeros(3)
     for width in np.geomspace(_REACHES, _TOUCHES, _FITS):
         here = points + moved
@@ -177,14 +170,9 @@ def fingers_at(motion: Motion, place: Place, frame: int) -> Array:
 
 def _taking(motion: Motion, hand: Hand, frame: int) -> Array:
     """Rotations of the fingers (15, 3) of a hand about to close: as recorded, or half closed."""
-    joints = list(hand.fingers)
     if fingers_known(motion, hand):
-        return np.asarray(motion.rotations[frame, joints])
-    out = np.zeros((len(joints), 3))
-    for row, joint in enumerate(joints):
-        if "thumb" not in JOINT_NAMES[joint]:
-            out[row, 2] = _ROUND if hand.side == "right" else -_ROUND
-    return out
+        return np.asarray(motion.rotations[frame, list(hand.fingers)])
+    return hand.flexed(_ROUND, _ROUND, _ROUND)
 
 
 def _mean(turns: Array) -> Array:

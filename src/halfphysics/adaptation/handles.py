@@ -21,9 +21,8 @@ from halfphysics.adaptation import arm_pose
 from halfphysics.adaptation.feet import direction
 from halfphysics.adaptation.timing import Timing
 from halfphysics.base import rotations as rot
-from halfphysics.body import skinning
 from halfphysics.motion.easing import ease
-from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS
+from halfphysics.motion.skeleton import JOINT_NAMES
 
 if TYPE_CHECKING:
     from halfphysics.adaptation.grips import Place
@@ -114,9 +113,9 @@ def hook_of(
     own = every[:: max(1, len(every) // _SAMPLES)].astype(np.int32)
     finger = _finger_of(body, hand, own)
     best, found = np.inf, None
-    hooks = [_flexed(hand, *hook) for hook in _HOOKS] if recorded is None else [recorded]
+    hooks = [hand.flexed(*hook) for hook in _HOOKS] if recorded is None else [recorded]
     for fingers in hooks:
-        skin = wrist + _skin(body, hand, fingers, own) @ place.seen_turn.T
+        skin = wrist + hand.skin(body, fingers, own) @ place.seen_turn.T
         for depth in _DEPTHS:
             met = _met(hold.thing, skin + depth * out, way, finger)
             if met is None:
@@ -166,7 +165,7 @@ def held(
         motion, body, hand, frames, here + share * (to - here), turn
     )
     joints = np.array(hand.fingers)
-    beyond = _SQUEEZE * timing.presses[frames, None, None] * _flexed(hand, 1.0, 1.0, 1.0)
+    beyond = _SQUEEZE * timing.presses[frames, None, None] * hand.flexed(1.0, 1.0, 1.0)
     recorded = rotations[np.ix_(frames, joints)]
     shaped = hook.fingers + beyond
     rotations[np.ix_(frames, joints)] = recorded + share[..., None] * (shaped - recorded)
@@ -182,16 +181,6 @@ def _back(hold: RecordedHold, hook: Hook) -> Array:
     return result
 
 
-def _flexed(hand: Hand, *flexion: float) -> Array:
-    """Rotations (15, 3) of a hand whose fingers are flexed [rad], the thumb as at rest."""
-    out = np.zeros((len(hand.fingers), 3))
-    for row, joint in enumerate(hand.fingers):
-        if "thumb" not in JOINT_NAMES[joint]:
-            bend = flexion[int(JOINT_NAMES[joint][-1]) - 1]
-            out[row, 2] = bend if hand.side == "right" else -bend
-    return out
-
-
 def _finger_of(body: Body, hand: Hand, vertices: NDArray[np.int32]) -> NDArray[np.int64]:
     """Which finger each vertex is of (n,): 0 to 3; -1: palm, back of the hand or thumb."""
     part = np.argmax(body.weights, axis=1)[vertices]
@@ -201,17 +190,6 @@ def _finger_of(body: Body, hand: Hand, vertices: NDArray[np.int32]) -> NDArray[n
         own = [j for j in hand.fingers if name in JOINT_NAMES[j]]
         out[np.isin(part, own)] = k
     return out
-
-
-def _skin(body: Body, hand: Hand, fingers: Array, vertices: NDArray[np.int32]) -> Array:
-    """Skin of a hand about its wrist (n, 3) [m], in the wrist's frame."""
-    rotations = np.zeros((1, N_JOINTS, 3))
-    rotations[0, list(hand.fingers)] = fingers
-    rest = np.asarray(body.rest_joints)
-    at, turns = skinning.kinematics(rotations, rest[:1], rest)
-    skin = skinning.skin(body.skin, rotations, at, turns, indices=vertices)[0]
-    result: Array = skin - rest[hand.wrist]
-    return result
 
 
 def _met(

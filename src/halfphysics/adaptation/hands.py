@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.motion.skeleton import JOINT_INDEX, LEFT_HAND_JOINTS, PARENTS, RIGHT_HAND_JOINTS
+from halfphysics.body import skinning
+from halfphysics.motion.skeleton import (
+    JOINT_INDEX,
+    JOINT_NAMES,
+    LEFT_HAND_JOINTS,
+    N_JOINTS,
+    PARENTS,
+    RIGHT_HAND_JOINTS,
+)
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -73,6 +81,31 @@ class Hand:
     def pressing(self) -> tuple[int, ...]:
         """Indices of the joints that give way as the hand presses: the collar and the arm."""
         return (int(PARENTS[self.arm[0]]), *self.arm)
+
+    def skin(self, body: Body, fingers: Array, vertices: Indices) -> Array:
+        """Skin of the hand about its wrist (n, 3) [m], in the wrist's frame.
+
+        Args:
+            body: Whose hand it is.
+            fingers: Rotations of its 15 joints (15, 3).
+            vertices: Which (n,).
+        """
+        rotations = np.zeros((1, N_JOINTS, 3))
+        rotations[0, list(self.fingers)] = fingers
+        rest = np.asarray(body.rest_joints)
+        at, turns = skinning.kinematics(rotations, rest[:1], rest)
+        posed = skinning.skin(body.skin, rotations, at, turns, indices=vertices)[0]
+        result: Array = posed - rest[self.wrist]
+        return result
+
+    def flexed(self, *flexion: float) -> Array:
+        """Rotations (15, 3) with the three joints of all fingers but the thumb flexed so [rad]."""
+        out = np.zeros((len(self.fingers), 3))
+        for row, joint in enumerate(self.fingers):
+            if "thumb" not in JOINT_NAMES[joint]:
+                bend = flexion[int(JOINT_NAMES[joint][-1]) - 1]
+                out[row, 2] = bend if self.side == "right" else -bend
+        return out
 
     @classmethod
     def of(cls, body: Body, side: str) -> Hand | None:

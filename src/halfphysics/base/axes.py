@@ -27,7 +27,7 @@ AXES: Mapping[str, Array] = MappingProxyType(
 def axes_of(up: str) -> Array:
     """World from file axes (3, 3) for a file whose `up` axis is "z", "y" or "-y" (y down)."""
     if up not in AXES:
-        raise InputError(f"up: found {up!r}, expected 'z' or 'y'")
+        raise InputError(f"up: found {up!r}, expected one of {', '.join(AXES)}")
     return AXES[up]
 
 

@@ -55,6 +55,8 @@ _HEAD = JOINT_INDEX["head"]
 _HIPS, _ANKLES, _TOES = (
     _named(f"left_{name}", f"right_{name}") for name in ("hip", "ankle", "foot")
 )
+#: Joints whose bones are upper arms and forearms.
+ARMS = _named("left_elbow", "right_elbow", "left_wrist", "right_wrist")
 #: Where the trunk ends.
 _ENDS = _named("neck", "left_shoulder", "right_shoulder")
 _UP = np.array([0.0, 1.0, 0.0])
@@ -208,6 +210,20 @@ def maps_of(joints: Array, bones: Array) -> Maps:
 def _offsets(joints: Array) -> Array:
     offsets = joints - joints[np.maximum(PARENTS, 0)]
     return np.asarray(offsets)
+
+
+def scaled_bones(joints: Array, size: float, arms: float = 1.0) -> Array:
+    """Bones (55, 3) [m] of a body so many times as large, its arms so many times longer still.
+
+    Args:
+        joints: Of the body at rest (55, 3) [m].
+        size: Factor on all bones, and on the place of the pelvis, which is row 0.
+        arms: Factor on upper arms and forearms.
+    """
+    out = size * _offsets(joints)
+    out[0] = size * joints[0]
+    out[list(ARMS)] *= arms
+    return out
 
 
 def _size(own: Array, bones: Array, known: NDArray[np.bool_]) -> float:

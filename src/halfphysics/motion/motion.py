@@ -54,7 +54,8 @@ class Motion:
         origin: Further data of the file (set by loaders, used by writers).
         stiffness_scale: How much firmer than `Settings.stiffness` the person holds each joint on
             the way to each frame, as a factor (T, 55): arms that carry are tensed
-            (`halfphysics.adapt`). None: 1 everywhere.
+            (`halfphysics.adapt`). None: 1 everywhere. Motion files do not keep it, and baselines
+            that run in MuJoCo have no stiffness to scale.
         holds: What the hands are to hold, where the motion was adapted to it (`halfphysics.adapt`).
         recorded: The motion as it was before that, frame by frame, which measures compare with;
             None: it was not adapted. Motion files keep neither, result files keep both.

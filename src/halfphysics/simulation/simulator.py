@@ -100,10 +100,10 @@ class Simulator:
     @contextmanager
     def _tensed(self, poses: list[Pose]) -> Iterator[None]:
         """Within it, joints are as firm as `Pose.stiffness_scale` of the poses says."""
-        scales = [1.0 if (its := pose.stiffness_scale) is None else its for pose in poses]
         if all(pose.stiffness_scale is None for pose in poses):
             yield
             return
+        scales = [1.0 if (its := pose.stiffness_scale) is None else its for pose in poses]
         rows = [row * scale for row, scale in zip(self._firmness, scales, strict=True)]
         self.world.stepper.set_stiffness(self.world.stiffness_to_core(np.stack(rows)))
         try:

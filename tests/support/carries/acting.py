@@ -163,6 +163,37 @@ def act(body, base, way, holds, shoulders, smooth=True):
     return _with_hands(body, motion, way, holds), bend
 
 
+def acted(body, base, thing, way, offsets, closed, hold, limit):
+    """`act` with that direction of the fingers which bends the wrists least; None: none is right.
+
+    Args:
+        body, base, way: As of `act`.
+        thing: What is held, with one direction of the fingers or several for each grasp.
+        offsets: Of each hand from its place (T, 3) [m].
+        closed: How far fingers are closed (T,).
+        hold: First and last frame of the hold.
+        limit: Wrists bend by no more than this [rad].
+    """
+    few, best = np.arange(hold[0], hold[1] + 1, 8), None
+    shoulders = shoulders_of(body, base, way.turn)
+    for pick in range(min(len(grasp.fingers) for grasp in thing.grasps.values())):
+        holds = holds_of(body, thing, pick, offsets, closed, len(base))
+        some = [held.rows(few) for held in holds]
+        standing = base.with_frames(base.translation[few], base.rotations[few])
+        motion, bend = act(body, standing, way.rows(few), some, shoulders[:, few], smooth=False)
+        if np.isnan(bend).any():
+            continue
+        worst = wrist_bend(motion, some)
+        if worst <= limit and (best is None or worst < best[0]):
+            best = worst, holds
+    return None if best is None else act(body, base, way, best[1], shoulders)
+
+
+def without_gaps(made):
+    """The motion of what `acted` returns; None: there is none, or hands cannot reach throughout."""
+    return None if made is None or np.isnan(made[1]).any() else made[0]
+
+
 def _wrist(way, held):
     place = held.wrist + held.offset
     return way.position + np.einsum("tij,tj->ti", way.matrix, place)

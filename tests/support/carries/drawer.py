@@ -15,7 +15,7 @@ from halfphysics.results.result import ObjectTrack
 from halfphysics.scenarios.acting.gait import walk
 from halfphysics.scenarios.acting.walk_plan import Walk
 from support.carries import takes
-from support.carries.acting import Way, act, holds_of, parts_of, shoulders_of, wrist_bend
+from support.carries.acting import Way, acted, parts_of, without_gaps
 from support.carries.people import person
 from support.carries.recordings import is_hand
 from support.carries.takes import Hold, Take, without_fingers
@@ -131,7 +131,9 @@ def drawer(case: DrawerCase) -> Take:
     faults = {}
     for ahead in _AHEADS:
         position = np.stack([ahead - pulled, 0.0 * pulled - 0.12, 0.0 * pulled + height], axis=1)
-        motion = _acted(body, base, thing, position, offsets, closed, hold)
+        frames = len(base)
+        way = Way(position, np.broadcast_to(np.eye(3), (frames, 3, 3)), np.zeros(frames))
+        motion = without_gaps(acted(body, base, thing, way, offsets, closed, hold, WRIST))
         if motion is None:
             faults[round(float(ahead), 2)] = "out of reach"
             continue
@@ -160,27 +162,6 @@ def drawer(case: DrawerCase) -> Take:
         frictions={("drawer", name): RUNS for name in _chest(float(ahead), height)},
         noise=case.noise,
     )
-
-
-def _acted(body, base, thing, position, offsets, closed, hold):
-    frames = len(base)
-    way = Way(position, np.broadcast_to(np.eye(3), (frames, 3, 3)), np.zeros(frames))
-    few, best = np.arange(hold[0], hold[1] + 1, 8), None
-    shoulders = shoulders_of(body, base, way.turn)
-    for pick in range(4):
-        held = holds_of(body, thing, pick, offsets, closed, frames)
-        some = [each.rows(few) for each in held]
-        standing = base.with_frames(base.translation[few], base.rotations[few])
-        motion, bend = act(body, standing, way.rows(few), some, shoulders[:, few], smooth=False)
-        if np.isnan(bend).any():
-            continue
-        worst = wrist_bend(motion, some)
-        if worst < (WRIST if best is None else best[0]):
-            best = worst, held
-    if best is None:
-        return None
-    motion, bend = act(body, base, way, best[1], shoulders)
-    return None if np.isnan(bend).any() else motion
 
 
 def _chest(ahead, height):

@@ -43,9 +43,9 @@ LIMITS = (
 )
 
 
-def failed(row) -> list[str]:
+def failed(row, limits=LIMITS) -> list[str]:
     """The figures of a row that miss their limits."""
-    return [limit.figure for limit in LIMITS if limit.holds(row) is False]
+    return [limit.figure for limit in limits if limit.holds(row) is False]
 
 
 def held(row) -> bool:
@@ -53,12 +53,12 @@ def held(row) -> bool:
     return not {"lifted", "carried_share", "released_s"} & set(failed(row))
 
 
-def table(rows) -> str:
+def table(rows, limits=LIMITS) -> str:
     """One line per row: figures, those that miss their limit with a star."""
-    lines = [f"{'':52s}" + "".join(f"{limit.short:>10s}" for limit in LIMITS)]
+    lines = [f"{'':52s}" + "".join(f"{limit.short:>10s}" for limit in limits)]
     for row in rows:
         cells = []
-        for limit in LIMITS:
+        for limit in limits:
             value = row.get(limit.figure)
             shown = "-" if value is None else f"{float(value):.3g}"
             if value is not None and abs(value) >= 1000.0:

@@ -18,7 +18,7 @@ from halfphysics.scenarios.acting.legs import about
 from halfphysics.scenarios.acting.walk_plan import Walk
 from halfphysics.scenarios.props import stage
 from halfphysics.simulation.sequence import Sequence
-from support.carries.acting import Way, act, holds_of, parts_of, shoulders_of, wrist_bend
+from support.carries.acting import Way, acted, parts_of
 from support.carries.people import person
 from support.carries.things import NEAR, REST, THINGS, Solid
 
@@ -225,25 +225,10 @@ def _at(case, body, ahead, noise=False):
         for name, grasp in thing.grasps.items():
             own, shift = _noise(case, thing, grasp, name, times, hold)
             offsets[name] = offsets[name] + own
-    # The direction of the fingers that bends the wrists least.
-    choices = range(min(len(g.fingers) for g in thing.grasps.values()))
-    few, best = np.arange(hold[0], hold[1] + 1, 8), None
-    shoulders = shoulders_of(body, base, turn)
-    for pick in choices:
-        holds = holds_of(body, thing, pick, offsets, closed, len(times))
-        some = [held.rows(few) for held in holds]
-        standing = base.with_frames(base.translation[few], base.rotations[few])
-        motion, bend = act(body, standing, way.rows(few), some, shoulders[:, few], smooth=False)
-        if np.isnan(bend).any():
-            continue
-        worst = wrist_bend(motion, some)
-        if worst > WRIST:
-            continue
-        if best is None or worst < best[0]:
-            best = worst, pick, holds
-    if best is None:
+    made = acted(body, base, thing, way, offsets, closed, hold, WRIST)
+    if made is None:
         return "out of reach"
-    motion, bend = act(body, base, way, best[2], shoulders)
+    motion, bend = made
     if not case.fingers and noise:
         rotations = np.array(motion.rotations)
         rotations[:, 25:] = 0.0

@@ -17,7 +17,7 @@ from halfphysics.scenarios.acting.gait import walk
 from halfphysics.scenarios.acting.legs import about
 from halfphysics.scenarios.acting.walk_plan import Walk
 from support.carries import takes
-from support.carries.acting import Way, act, holds_of, parts_of, shoulders_of, wrist_bend
+from support.carries.acting import Way, acted, parts_of, without_gaps
 from support.carries.people import person
 from support.carries.recordings import is_hand
 from support.carries.takes import Hold, Take, moved, without_fingers
@@ -208,7 +208,8 @@ def _person(case, k, times, plan, gone, height, hold):
         x = float(pelvis[0] + ahead + load.near)
         position = np.stack([x + (-gone if k else gone), 0.0 * gone, height], axis=1)
         way = Way(position, np.broadcast_to(np.eye(3), (len(times), 3, 3)), np.zeros(len(times)))
-        made = _acted(body, base, load.thing, way, offsets, hold)
+        closed = np.zeros(len(base))
+        made = without_gaps(acted(body, base, load.thing, way, offsets, closed, hold, WRIST))
         if made is None:
             faults[round(float(ahead), 2)] = "out of reach"
             continue
@@ -221,26 +222,6 @@ def _person(case, k, times, plan, gone, height, hold):
             return body, made, x, shift
         faults[round(float(ahead), 2)] = f"the body {1000 * gap:.0f} mm from the thing"
     raise ValueError(f"{case.id}: no place is right for person {k}: {faults}")
-
-
-def _acted(body, base, thing, way, offsets, hold):
-    """The motion with the hands at the thing, fingers as bend the wrists least; None: no reach."""
-    few, best = np.arange(hold[0], hold[1] + 1, 8), None
-    shoulders = shoulders_of(body, base, way.turn)
-    for pick in range(4):
-        held = holds_of(body, thing, pick, offsets, np.zeros(len(base)), len(base))
-        some = [each.rows(few) for each in held]
-        standing = base.with_frames(base.translation[few], base.rotations[few])
-        motion, bend = act(body, standing, way.rows(few), some, shoulders[:, few], smooth=False)
-        if np.isnan(bend).any():
-            continue
-        worst = wrist_bend(motion, some)
-        if worst < (WRIST if best is None else best[0]):
-            best = worst, held
-    if best is None:
-        return None
-    motion, bend = act(body, base, way, best[1], shoulders)
-    return None if np.isnan(bend).any() else motion
 
 
 def _offsets(case, k, load, times, hold):

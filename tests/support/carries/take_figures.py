@@ -7,14 +7,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from support.carries.figures import NEAR, TURN, angle_deg, change_figures, untouched
+from support.carries.figures import LET_GO, NEAR, TURN, angle_deg, change_figures, untouched
 from support.carries.limits import Limit
 from support.carries.takes import PARTS
 
 #: Recorded rises, ways and turns from which on a ratio is asked for [m], [deg].
 RISE, WAY, TURNED = 0.05, 0.05, 15.0
-#: A thing is released where no part touches it for so long [s].
-LET_GO = 0.2
 #: Most force of a part [N]: of a hand, of a foot that pushes.
 MOST = {"wrist": 300.0, "ankle": 400.0}
 

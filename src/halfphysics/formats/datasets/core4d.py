@@ -24,7 +24,6 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.base import rotations as rot
 from halfphysics.base.npy import Npy
 from halfphysics.base.npz_objects import NpzObjects
 from halfphysics.base.reader_warnings import warn
@@ -35,7 +34,7 @@ from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.datasets.assets import find, note
 from halfphysics.formats.datasets.fingers_from_joints import fingers_from_joints
 from halfphysics.formats.datasets.recorded import add_recorded, of_file
-from halfphysics.formats.datasets.shape_from_joints import bones_of, default_like
+from halfphysics.formats.datasets.shape_from_joints import bones_of, default_like, world_turns
 from halfphysics.formats.datasets.size_from_motion import body_by_motion
 from halfphysics.formats.datasets.subject import named_model
 from halfphysics.formats.format import Format, Options, Source
@@ -187,19 +186,11 @@ def _hands(
                 "fingers stay flat. Name the SMPL-X model with model="
             )
         return {}
-    turns = _world_turns(rotations)
+    turns = world_turns(rotations)
     return {
         joints: fingers_from_joints(side, places, turns[:, JOINT_INDEX[f"{side}_wrist"]])
         for side, joints in sides.items()
     }
-
-
-def _world_turns(rotations: Array) -> Array:
-    """Quaternions (T, 55, 4) of all joints in the file's axes."""
-    turns = rot.exp(rotations)
-    for joint in range(1, N_JOINTS):
-        turns[:, joint] = rot.multiply(turns[:, skeleton.PARENTS[joint]], turns[:, joint])
-    return turns
 
 
 def _body(record: Record, places: Array, translation: Array, rotations: Array) -> Body:

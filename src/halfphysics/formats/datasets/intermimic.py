@@ -35,6 +35,7 @@ from halfphysics.formats.datasets.shape_from_joints import (
     bones_of,
     default_like,
     shaped_like,
+    world_turns,
 )
 from halfphysics.formats.format import Format, Options, Source
 from halfphysics.formats.motion_builder import (
@@ -245,9 +246,7 @@ def _save(motion: Motion, path: Path, body: Body | None) -> None:
         )
     _, rotations, said = file_parameters(motion, NAME)
     places = body.joints(motion) @ motion.axes
-    turns = rot.exp(rotations)
-    for joint in range(1, skeleton.N_JOINTS):
-        turns[:, joint] = rot.multiply(turns[:, skeleton.PARENTS[joint]], turns[:, joint])
+    turns = world_turns(rotations)
     turns = rot.multiply(turns[:, list(ORDER)], rot.conjugate(rot.from_matrix(UPRIGHT)))
     xyzw = turns[..., [1, 2, 3, 0]]
     # Angles of at most pi, as in the data set's exponential maps.

@@ -38,6 +38,14 @@ class Bones(NamedTuple):
     spread: float
 
 
+def world_turns(rotations: Array) -> Array:
+    """Quaternions (T, 55, 4) of all joints, from rotations in their parents' frames (T, 55, 3)."""
+    turns = rot.exp(rotations)
+    for joint in range(1, skeleton.N_JOINTS):
+        turns[:, joint] = rot.multiply(turns[:, skeleton.PARENTS[joint]], turns[:, joint])
+    return turns
+
+
 def bones_of(positions: Array, rotations: Array) -> Bones:
     """Bones from world positions and rotations of the joints.
 
@@ -46,9 +54,7 @@ def bones_of(positions: Array, rotations: Array) -> Bones:
         rotations: Axis-angle (T, 55, 3) of each joint relative to its parent, of the root in the
             world.
     """
-    turns = rot.exp(rotations)
-    for joint in range(1, skeleton.N_JOINTS):
-        turns[:, joint] = rot.multiply(turns[:, skeleton.PARENTS[joint]], turns[:, joint])
+    turns = world_turns(rotations)
     parents = skeleton.PARENTS[1:]
     steps = positions[:, 1:] - positions[:, parents]
     steps = rot.rotate(rot.conjugate(turns[:, parents]), steps)

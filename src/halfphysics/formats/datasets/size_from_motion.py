@@ -26,7 +26,8 @@ from numpy.typing import NDArray
 from halfphysics.base import rotations as rot
 from halfphysics.base.reader_warnings import warn
 from halfphysics.body.body import Body
-from halfphysics.motion.skeleton import JOINT_INDEX, PARENTS
+from halfphysics.body.proportions import scaled_bones
+from halfphysics.motion.skeleton import JOINT_INDEX
 
 if TYPE_CHECKING:
     from halfphysics.motion.motion import Motion
@@ -92,13 +93,7 @@ def body_by_motion(
         )
         return None
     arms = 1.0 if found is None else found
-    joints = np.asarray(body.rest_joints)
-    bones = size * joints
-    bones[1:] -= size * joints[PARENTS[1:]]
-    for side in _SIDES:
-        for name in ("elbow", "wrist"):
-            bones[JOINT_INDEX[f"{side}_{name}"]] *= arms
-    body = Body.default(bones=bones)
+    body = Body.default(bones=scaled_bones(np.asarray(body.rest_joints), size, arms))
     told = "" if found is None else f", hands on what they move arms of {arms:.2f} times the usual"
     warn(f"{why}: {who} {body.stature:.2f} m{told}. Give a body of your own, or model=")
     return body

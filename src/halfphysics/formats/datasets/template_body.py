@@ -20,8 +20,9 @@ from numpy.typing import NDArray
 
 from halfphysics.body.body import Body, free_regressor
 from halfphysics.body.model_files import mesh_vertices
+from halfphysics.body.proportions import scaled_bones
 from halfphysics.errors import InputError
-from halfphysics.motion.skeleton import JOINT_INDEX, PARENTS
+from halfphysics.motion.skeleton import JOINT_INDEX
 
 Array = NDArray[np.float64]
 
@@ -51,17 +52,10 @@ def template_body(path: Path) -> Body:
         raise InputError(f"{path}: {error}") from None
 
 
-def offsets_of(joints: Array) -> Array:
-    """Joints from their parents (55, 3) [m], the pelvis from the origin."""
-    out = np.array(joints)
-    out[1:] -= joints[PARENTS[1:]]
-    return out
-
-
 def _by_vertices(skin: Array) -> Body:
     """The body of a template with the vertices of the free body (V, 3) [m]."""
     joints = np.einsum("jv,vc->jc", free_regressor(), skin)
-    found = [Body.default(bones=offsets_of(joints))]
+    found = [Body.default(bones=scaled_bones(joints, 1.0))]
     with suppress(InputError):
         found.append(Body.default(bones=_by_extent(skin, Body.default())))
     off = [np.linalg.norm(body.rest_vertices - skin, axis=1).mean() for body in found]
@@ -87,22 +81,20 @@ def _by_extent(skin: Array, body: Body) -> Array:
             "arms out to the sides"
         )
     size = height / float(own_high[1] - own_low[1])
-    bones = size * offsets_of(np.asarray(body.rest_joints))
+    joints = np.asarray(body.rest_joints)
     # Half the span is shoulder, arm and hand: the arm has what is over.
-    arms = [JOINT_INDEX[f"left_{name}"] for name in ("elbow", "wrist")]
-    arm = float(bones[arms, 0].sum())
+    shoulder, wrist = (joints[JOINT_INDEX[f"left_{name}"], 0] for name in ("shoulder", "wrist"))
+    arm = size * float(wrist - shoulder)
     over = 0.5 * (width * height - size * float(own_high[0] - own_low[0]))
     factor = 1.0 + over / arm
     if not _ARMS[0] < factor < _ARMS[1]:
         raise InputError(
             f"found arms {factor:.2f} times as long as a person's of {height:.2f} m; is it at rest?"
         )
-    for side in ("left", "right"):
-        for name in ("elbow", "wrist"):
-            bones[JOINT_INDEX[f"{side}_{name}"]] *= factor
+    bones = scaled_bones(joints, size, factor)
     # The same place in the box around the skin: soles, back and the middle between the hands.
     middle, own_middle = 0.5 * (low + high), 0.5 * (own_low + own_high)
-    place = np.asarray(body.rest_joints)[0]
+    place = joints[0]
     bones[0] = np.array(
         [
             middle[0] + size * (place[0] - own_middle[0]),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable
+from collections.abc import Sequence as Listing
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -20,6 +21,7 @@ from halfphysics.motion.motion import Motion
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
+    from halfphysics.formats.people import Track
     from halfphysics.simulation.sequence import Sequence
 
 _HEAD = 4096
@@ -117,8 +119,9 @@ Assets: TypeAlias = str | os.PathLike[str] | Iterable[str | os.PathLike[str]] | 
 class Options:
     """The options of `Motion.load` and `load_sequence`; None: the file gives the value.
 
-    `clip` is "" for a file that holds one motion only. `objects` is "free" (dynamic from their
-    poses at the first frame) or "replayed" (kinematic along the recorded trajectory).
+    `clip` is "" for a file that holds one motion only; else the name of a clip or a person.
+    `objects` is "free" (dynamic from their poses at the first frame) or "replayed" (kinematic
+    along the recorded trajectory).
     """
 
     fps: float | None = None
@@ -152,6 +155,10 @@ class Format:
     load_sequence: Callable[[Source, Options], Sequence] | None = None
     #: The clip names in a file with several clips; `load` reads the clip `Options.clip`.
     clips: Callable[[Source], Iterable[str]] | None = None
+    #: The people of a file that tracks several; `load` reads the one whom `Options.clip` names, and
+    #: `Options.frames` count from that person's first frame. None: one person, or `load_sequence`
+    #: knows of the others.
+    people: Callable[[Source], Listing[Track]] | None = None
     #: Writes a motion in the axes of its file or of `up`; None: the format is read-only.
     save: Callable[[Motion, Path, Body | None], None] | None = None
     #: Suffixes of the files written, the preferred one first.

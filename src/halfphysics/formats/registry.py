@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable
+from collections.abc import Sequence as Listing
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -31,6 +33,7 @@ from halfphysics.formats.datasets import (
 )
 from halfphysics.formats.datasets.ground import add_ground, needs_ground
 from halfphysics.formats.format import Assets, Format, Options, Source
+from halfphysics.formats.people import Track, chosen, together
 from halfphysics.motion.motion import GENDERS, MODELS, Motion
 
 if TYPE_CHECKING:
@@ -105,6 +108,9 @@ def load_motion(
     """Implements `Motion.load`; see there."""
     options = _options(fps, up, hands, model, gender, frames, clip, assets)
     source, format, options = _found(path, options)
+    if format.people is not None:
+        track = chosen(str(source.path), format.people(source), options.clip)
+        options = replace(options, clip=track.name)
     return format.load(source, options)
 
 
@@ -125,6 +131,9 @@ def load_sequence(
     clip: str | None = None,
 ) -> Sequence:
     """Read a motion with the objects and the scene that its data set recorded.
+
+    Where a file tracks several people, those who are there together are read, over the frames that
+    they share; `clip` names one of them.
 
     Args:
         path: As in `Motion.load`, with the options there.
@@ -158,6 +167,8 @@ def load_sequence(
     options = _options(fps, up, hands, model, gender, frames, clip, assets, objects)
     source, format, options = _found(path, options)
     with one_warning(source.path):
+        if format.people is not None:
+            return Sequence(_people(source, format.people(source), format, options), Scene())
         if format.load_sequence is None:
             return Sequence(format.load(source, options), Scene())
         sequence = format.load_sequence(source, options)
@@ -166,6 +177,29 @@ def load_sequence(
         if ground and needs_ground(sequence):
             add_ground(sequence, source.path)
         return adapted(sequence, source.path, grip=grip) if adapt else sequence
+
+
+def _people(
+    source: Source, tracks: Listing[Track], format: Format, options: Options
+) -> Motion | tuple[Motion, ...]:
+    """The person whom `clip` names, or those of a file who are there together."""
+    where = str(source.path)
+    if options.clip:
+        return format.load(source, replace(options, clip=chosen(where, tracks, options.clip).name))
+    kept, start, stop = together(where, tracks)
+    first, last, step = options.frames.indices(stop - start)
+    motions = tuple(
+        format.load(
+            source,
+            replace(
+                options,
+                clip=track.name,
+                frames=slice(start - track.start + first, start - track.start + last, step),
+            ),
+        )
+        for track in kept
+    )
+    return motions if len(motions) > 1 else motions[0]
 
 
 def adapted(sequence: Sequence, path: Path, *, grip: bool = True) -> Sequence:
@@ -322,13 +356,14 @@ def _options(
 
 def _found(path: str | os.PathLike[str], options: Options) -> tuple[Source, Format, Options]:
     """The file, its format, and the options with the name of the clip."""
-    from dataclasses import replace
     from itertools import islice
 
     source = path if isinstance(path, Source) else Source(path)
     format = identify(source)
     if format is None:
         raise unknown(source)
+    if format.people is not None:
+        return source, format, options
     if format.clips is None:
         if options.clip:
             raise InputError(

@@ -406,7 +406,8 @@ class Motion:
                 the file does not name its model.
             gender: "neutral", "male" or "female" if the file does not state it.
             frames: Read only frames start <= i < stop, as in a slice.
-            clip: Name of the clip, if the file holds several (`halfphysics.clips` lists them).
+            clip: Name of the clip, if the file holds several (`halfphysics.clips` lists them), or
+                of the person, if it tracks several: unsaid, the one who is there longest.
             assets: Folders of the data set's other files (meshes, templates), searched before
                 $HALFPHYSICS_MODELS and the file's own folder.
 

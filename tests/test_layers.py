@@ -32,6 +32,9 @@ LAYERS = {
         "errors base motion geometry body settings scene results simulation reference metrics "
         "_native"
     ),
+    "repair": (
+        "errors base motion geometry body settings scene results adaptation simulation metrics"
+    ),
     "formats": (
         "errors base motion geometry body settings scene results adaptation simulation baselines "
         "__version__"
@@ -54,8 +57,8 @@ LAYERS = {
         "render labels scenarios viewer sweep _native"
     ),
     "cli": (
-        "errors base motion body settings scene results simulation metrics baselines formats "
-        "render writers scenarios viewer sweep bench __version__"
+        "errors base motion body settings scene results simulation metrics baselines repair "
+        "formats render writers scenarios viewer sweep bench __version__"
     ),
 }
 

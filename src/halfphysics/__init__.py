@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from halfphysics.motion.pose import Pose
     from halfphysics.motion.skeleton import JOINT_NAMES
     from halfphysics.mujoco.hosted import attach
+    from halfphysics.repair.repair import fix
     from halfphysics.results.result import Result
     from halfphysics.scene.scene import Scene
     from halfphysics.settings import Settings
@@ -61,6 +62,7 @@ __all__ = [
     "clips",
     "errors",
     "export",
+    "fix",
     "load_sequence",
     "metrics",
     "scenarios",
@@ -98,6 +100,7 @@ _FROM: dict[str, str | None] = {
     "attach": "mujoco.hosted",
     "clips": "formats.library",
     "export": "writers",
+    "fix": "repair.repair",
     "load_sequence": "formats.registry",
     "simulate": "simulation.simulate",
     "simulate_many": "simulation.simulate_many",

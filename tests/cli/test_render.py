@@ -102,7 +102,6 @@ def test_one_frame_and_several_results(source):
         (["R", "a.mp4", "--size", "641x480"], "642x480"),
         (["R", "a.gif", "--start", "7"], "ends at 0.233 s"),
         (["R", "a.html", "--camera", "top"], "for a page"),
-        (["R", "R", "a.html"], "a page shows one"),
         (["R", "a.gif", "--label", "a", "--label", "b"], "label"),
     ],
 )

@@ -212,3 +212,22 @@ def test_importing_the_page_does_not_import_viser():
     )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert out.stdout.split() == ["False", "False"]
+
+
+def test_several_results_play_side_by_side(tmp_path):
+    """Each has its nodes, moved apart; the page is as long as the longest."""
+    story = small_result()
+    path = save_page([story, story], tmp_path / "two.html", notes=["a <note>"])
+    text = path.read_text(encoding="utf-8")
+    assert "a &lt;note&gt;" in text.replace("\\u003c", "<").replace("\\u0026", "&")
+    names = {m["name"] for _, m in recording(path)["messages"] if "name" in m}
+    people = {name for name in names if name.endswith("person/0")}
+    assert people == {"/person/0", "/1/person/0"}
+    assert recording(path)["durationSeconds"] == pytest.approx(FRAMES / FPS, abs=1.0 / FPS)
+
+
+def test_results_of_different_rates_are_not_played_together(tmp_path):
+    slow = SimpleNamespace(fps=15.0)
+    with pytest.raises(InputError, match="found 30, 15 fps"):
+        save_page([SimpleNamespace(fps=30.0), slow], tmp_path / "two.html")
+    assert list(tmp_path.iterdir()) == []

@@ -151,7 +151,7 @@ def kept(
     to = thing.position + np.einsum("tij,tj->ti", thing.turn, to)
     here = position[:, foot.limb[2]]
     away = float(np.median(np.linalg.norm(to - here, axis=1)[during]))
-    goal = _in_reach(body, foot, position, here + share[:, None] * (to - here))
+    goal = in_reach(body, foot, position, here + share[:, None] * (to - here))
     turn = rot.to_matrix(quaternion[frames, foot.limb[2]])
     rotations = np.array(motion.rotations)
     rotations[np.ix_(frames, np.array(foot.limb))] = arm_pose.moved(
@@ -160,7 +160,7 @@ def kept(
     return motion.with_frames(motion.translation, rotations), away
 
 
-def _in_reach(body: Body, foot: Foot, position: Array, goal: Array) -> Array:
+def in_reach(body: Body, foot: Foot, position: Array, goal: Array) -> Array:
     """Places of the ankle (T, 3) no farther from the hip than a leg or the recording reaches."""
     rest = np.asarray(body.rest_joints)[list(foot.limb)]
     hip, ankle = position[:, foot.limb[0]], position[:, foot.limb[2]]

@@ -27,6 +27,7 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
         "evaluate": "measure a result or a motion",
         "view": "show results in a browser, several side by side",
         "render": "make a page, a film or pictures of results",
+        "fix": "put an estimator's or a generator's motion right",
         "play": "play with a simulation in a browser",
         "convert": "write a motion in another format or at another frame rate",
         "sweep": "simulate variants of many clips, into a labelled data set",

@@ -88,18 +88,13 @@ class Command:
 
         from halfphysics.viewer.page import MAX_FPS, save_page
 
-        if len(results) > 1:
-            raise InputError(
-                f"{out}: found {len(results)} results, but a page shows one. Films and pictures "
-                "show several"
-            )
         if replace(self.film, fps=None, label=()) != FilmOptions() or len(self.film.label) > 1:
             raise InputError(
                 f"{out}: of the options only --fps, --support and one --label (its title) are for "
                 "a page, in which the viewer moves the camera and the time"
             )
         save_page(
-            results[0],
+            results,
             out,
             title=self.film.label[0] if self.film.label else "halfphysics",
             max_fps=MAX_FPS if self.film.fps is None else self.film.fps,

@@ -28,6 +28,9 @@ NEIGHBOURS = 2
 #: Two shapes with a smaller gap than this at rest count as overlapping there [m].
 LEAST_REST_GAP = 2e-3
 FINGERS = ("thumb", "index", "middle", "ring", "pinky")
+#: Who squats or bends folds: belly and thighs lie against each other and flesh gives. Rigid hulls
+#: there would unfold the person: a recorded squat was thrown off its feet by half a metre.
+FOLDS = ("spine1", "spine2", "spine3")
 
 
 def set_self_pairs(core: Any, model: Any, people: Sequence[Person], shapes: Sequence[Ints]) -> None:
@@ -48,10 +51,10 @@ def set_self_pairs(core: Any, model: Any, people: Sequence[Person], shapes: Sequ
 def _self_pairs(core: Any, model: Any, person: Person, joint: Ints) -> Ints:
     """Pairs (n, 2) of the core's shapes of one person that are kept from each other.
 
-    Left out are parts within two joints of each other, those of one hand, and shapes that overlap
-    in the rest pose. Hulls are convex, so that at the armpit upper arm and flank always do: parts
-    of which any hulls of the skin overlap there are neighbours as a whole, with both kinds of
-    contact.
+    Left out are parts within two joints of each other, those of one hand, trunk and thighs, and
+    shapes that overlap in the rest pose. Hulls are convex, so that at the armpit upper arm and
+    flank always do: parts of which any hulls of the skin overlap there are neighbours as a whole,
+    with both kinds of contact.
     """
     may = _may_touch(person.body)
     own = np.flatnonzero(joint >= 0)
@@ -108,6 +111,8 @@ def _far_apart() -> NDArray[np.bool_]:
         starts = tuple(f"{side}_{what}" for what in ("wrist", *FINGERS))
         hand = [j for j, name in enumerate(JOINT_NAMES) if name.startswith(starts)]
         apart[np.ix_(hand, hand)] = False
+        trunk, thigh = [JOINT_NAMES.index(name) for name in FOLDS], JOINT_NAMES.index(f"{side}_hip")
+        apart[trunk, thigh] = apart[thigh, trunk] = False
     return apart
 
 

@@ -6,7 +6,7 @@ import contextlib
 import html
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,10 +28,11 @@ _VIEW = (1280, 720)
 
 
 def save_page(
-    result: Result,
+    result: Result | list[Result] | tuple[Result, ...],
     path: str | os.PathLike[str],
     *,
     title: str = "halfphysics",
+    notes: Sequence[str] = (),
     max_fps: float = MAX_FPS,
     support: bool = False,
     progress: bool = False,
@@ -43,9 +44,11 @@ def save_page(
     body: share the page of a licensed body model only as its licence allows.
 
     Args:
-        result: The result to show.
+        result: The result to show, or several of the same frame rate: they play side by side, each
+            as long as it lasts.
         path: The file to write; written completely or not at all.
         title: Title of the page.
+        notes: Lines of text below the title.
         max_fps: Most frames played per second; a faster result keeps every n-th frame.
         support: Also shows what holds the people up (`PersonResult.support`): pressure on the
             skin, forces, centres of pressure and of mass. Bodies are drawn as glass.
@@ -55,7 +58,7 @@ def save_page(
         The path written.
 
     Raises:
-        InputError: `max_fps` is not above 0.
+        InputError: `max_fps` is not above 0, or the frame rates differ.
         FileError: The file cannot be written, or no local port can be opened.
         MissingDependencyError: viser is not installed.
     """
@@ -63,26 +66,33 @@ def save_page(
 
     if not max_fps > 0:
         raise InputError(f"max_fps: found {max_fps!r}, expected frames per second above 0")
-    drawing = Drawing(result)
-    step = max(1, math.ceil(result.fps / max_fps - 1e-9))
-    frames = range(0, len(drawing), step)
+    results: list[Any] = list(result) if isinstance(result, list | tuple) else [result]
+    if not results or len({one.fps for one in results}) > 1:
+        rates = ", ".join(f"{one.fps:g}" for one in results) or "no results"
+        raise InputError(f"result: found {rates} fps, expected results of one frame rate")
+    drawings, fps = [Drawing(one) for one in results], results[0].fps
+    step = max(1, math.ceil(fps / max_fps - 1e-9))
+    frames = range(0, max(map(len, drawings)), step)
     with atomic_write(path) as file, _quiet_server() as server:
         recorder = server.get_scene_serializer()
-        row = arrange([drawing], _VIEW)
-        stage, contacts = _build(server, drawing, row)
+        row = arrange(drawings, _VIEW)
+        stages, contacts = _build(server, drawings, row)
         if support:
-            show_support(server, stage)
+            for stage in stages:
+                show_support(server, stage)
         bar = _bar(len(frames), progress)
         # Without this the server's thread wakes for every bone and frame, with no browser to serve.
         with server.atomic():
             for frame in frames:
-                stage.show(frame)
-                recorder.insert_sleep(step / result.fps)
+                for stage in stages:
+                    stage.show(min(frame, len(stage.drawing) - 1))
+                recorder.insert_sleep(step / fps)
                 bar.update()
         bar.close()
         page = recorder.as_html()
         page = page.replace("<title>Viser</title>", f"<title>{html.escape(title)}</title>", 1)
-        page = page.replace("</head>", f"{head(title, drawing, row, contacts, support)}</head>", 1)
+        key = head(title, drawings, row, contacts, support, notes)
+        page = page.replace("</head>", f"{key}</head>", 1)
         file.write(page.encode("utf-8"))
     return Path(path)
 
@@ -103,9 +113,21 @@ def _quiet_server() -> Iterator[Any]:
         close_server(server)
 
 
-def _build(server: Any, drawing: Drawing, row: Arrangement) -> tuple[Stage, list[int]]:
-    """Build the scene; returns the stage and the kinds of contacts that occur."""
+def _build(
+    server: Any, drawings: Sequence[Drawing], row: Arrangement
+) -> tuple[list[Stage], list[int]]:
+    """Build the scene; returns the stages and the kinds of contacts that occur."""
     aim(server, row.camera(_VIEW))
     light(server)
-    stage = Stage(server, drawing, faint=row.faint[0])
-    return stage, list(ContactNodes(server, stage).points)
+    stages = [
+        Stage(
+            server,
+            drawing,
+            prefix=f"/{k}" if k else "",
+            offset=row.offsets[k],
+            faint=row.faint[k],
+        )
+        for k, drawing in enumerate(drawings)
+    ]
+    kinds = {kind for stage in stages for kind in ContactNodes(server, stage).points}
+    return stages, sorted(kinds)

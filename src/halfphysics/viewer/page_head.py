@@ -64,16 +64,22 @@ addEventListener("DOMContentLoaded", () => {
 
 
 def head(
-    title: str, drawing: Drawing, row: Arrangement, contacts: Sequence[int], support: bool = False
+    title: str,
+    drawings: Sequence[Drawing],
+    row: Arrangement,
+    contacts: Sequence[int],
+    support: bool = False,
+    notes: Sequence[str] = (),
 ) -> str:
     """HTML for the head of a page.
 
     Args:
         title: Title of the page.
-        drawing: The drawing that the page shows.
+        drawings: The drawings that the page shows.
         row: The arrangement that gives the camera.
         contacts: Kinds of contacts on the page, indices into `KINDS`.
         support: Whether the page shows the support of people.
+        notes: Lines below the title.
     """
     cameras = []
     for shape in _SHAPES:
@@ -81,14 +87,20 @@ def head(
         cameras.append([shape, _text(camera.position), _text(camera.target)])
     aim = _AIM % {"bar": _BAR, "cameras": json.dumps(cameras), "first": json.dumps(cameras[0])}
     # A title may hold any text, even the end tag of a script.
-    key = json.dumps(_key(title, drawing, contacts, support)).replace("<", "\\u003c")
+    key = json.dumps(_key(title, drawings, contacts, support, notes)).replace("<", "\\u003c")
     style = _STYLE % {"bottom": _BAR + 10}
     return f"<style>{style}</style><script>{aim}{_SHOW % key}</script>"
 
 
-def _key(title: str, drawing: Drawing, contacts: Sequence[int], support: bool) -> str:
-    """HTML of the title, the meaning of the colours, and what hands held."""
-    people = len(drawing.result.people)
+def _key(
+    title: str,
+    drawings: Sequence[Drawing],
+    contacts: Sequence[int],
+    support: bool,
+    notes: Sequence[str],
+) -> str:
+    """HTML of the title, the meaning of the colours, the notes, and what hands held."""
+    people = max(len(drawing.result.people) for drawing in drawings)
     bodies = [PEOPLE[k % len(PEOPLE)] for k in range(people)]
     entries = [([GHOST], "asked for"), (bodies, "with a body" if people == 1 else "with bodies")]
     for k, kind in enumerate(contacts):
@@ -100,10 +112,12 @@ def _key(title: str, drawing: Drawing, contacts: Sequence[int], support: bool) -
         f"<span>{''.join(map(_patch, colors))}{html.escape(label)}</span>"
         for colors, label in entries
     )
-    result = drawing.result
-    lines = [line for k in range(people) for line in hold_lines(result, k)] if result.holds else []
-    holds = "".join(f"<div>{html.escape(line)}</div>" for line in lines)
-    return f"<b>{html.escape(title)}</b>{said}{holds}"
+    lines = list(notes)
+    for result in (drawing.result for drawing in drawings):
+        if result.holds:
+            lines += [line for k in range(len(result.people)) for line in hold_lines(result, k)]
+    told = "".join(f"<div>{html.escape(line)}</div>" for line in lines)
+    return f"<b>{html.escape(title)}</b>{said}{told}"
 
 
 def _patch(color: Color) -> str:

@@ -1,0 +1,146 @@
+"""halfphysics fix: put the motion of a video estimator or a generator right."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
+
+from halfphysics.cli.options import (
+    BodyOptions,
+    MotionOptions,
+    SceneOptions,
+    check_output,
+    progress,
+)
+from halfphysics.cli.table import table
+from halfphysics.errors import InputError
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+    from halfphysics.repair.repair import Repair
+
+EXAMPLES = """\
+halfphysics fix hmr4d_results.pt --out fixed.npz
+halfphysics fix generated.npz --page before_after.html --out fixed.npz
+halfphysics fix walk.npz --smooth 6 --scene room.yaml --out fixed.npz"""
+
+# Measures that a page has room for.
+_ON_PAGE = ("Phys-Err", "deepest in the scene", "joints moved")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Command:
+    """Put a motion right: the floor found, feet on it and not sliding, nothing inside anything.
+
+    For what video estimators and generators make: people who float, sink, drift, tilt, slide, and
+    whose hands are in their bodies. What was found and done is printed, with numbers before and
+    after. Without --scene the person stands on a floor at z = 0. A clip that is right comes back as
+    it is.
+    """
+
+    motion: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="MOTION")]
+    """Motion file."""
+    out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"], metavar="FILE")] = None
+    """Motion file to write, in the format that MOTION came in where that can be written; of several
+    people each gets a file, with its number. Without it only the numbers are printed."""
+    format: str | None = None
+    """Format to write, where it is to be another."""
+    page: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Page to write (.html): before and after, side by side."""
+    result: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Result file to write (.npz): with contacts and forces."""
+    smooth: float | None = None
+    """Take off jitter above this frequency [Hz], such as 6; without it nothing is smoothed."""
+    level: bool = True
+    """Put the clip on its ground (height, tilt, drift, slide of the whole clip)."""
+    plant: bool = True
+    """Keep resting feet in place."""
+    scene: tyro.conf.OmitArgPrefixes[SceneOptions] = field(default_factory=SceneOptions)
+    person: tyro.conf.OmitArgPrefixes[BodyOptions] = field(default_factory=BodyOptions)
+    motion_file: tyro.conf.OmitArgPrefixes[MotionOptions] = field(default_factory=MotionOptions)
+
+    def run(self) -> None:
+        """Fix, print what was done, write."""
+        from halfphysics.repair.repair import fix
+
+        inputs = (self.motion, self.scene.scene, self.person.body)
+        for out in (self.out, self.page, self.result):
+            if out is not None:
+                check_output(out, *inputs)
+        if self.page is not None and self.page.suffix.lower() != ".html":
+            raise InputError(f"--page: found {self.page}, expected a name that ends in .html")
+        sequence = self.motion_file.sequence(
+            self.motion, body=self.person.instead_of, ground=self.scene.ground
+        )
+        bodies = [body for body in sequence.bodies if body is not None]
+        scene = self.scene.load() if self.scene.given else None
+        repair = fix(
+            list(sequence.motions),
+            scene,
+            body=bodies,
+            smooth=self.smooth,
+            level=self.level,
+            plant=self.plant,
+        )
+        self._print(repair)
+        if self.out is not None:
+            self._save(repair, bodies, self.out)
+        if self.result is not None:
+            repair.result.save(self.result)
+            print(f"result: {self.result}")
+        if self.page is not None:
+            self._page(repair, bodies, self.page)
+            print(f"page: {self.page}")
+
+    def _print(self, repair: Repair) -> None:
+        from halfphysics.repair.report import measures
+
+        for line in repair.lines:
+            print(line)
+        rows = [["", "before", "after", "unit"]]
+        for measure in measures(repair):
+            rows.append(
+                [measure.name, f"{measure.before:.2f}", f"{measure.after:.2f}", measure.unit]
+            )
+        print(table(rows))
+
+    def _save(self, repair: Repair, bodies: list[Body], out: Path) -> None:
+        from halfphysics.formats import losses
+
+        for k, motion in enumerate(repair.motions):
+            path = out
+            if len(repair.motions) > 1:
+                path = path.with_name(f"{path.stem}_{k + 1}{path.suffix}")
+            motion.save(path, format=self.format, body=bodies[k])
+            for loss in losses(motion, path, self.format):
+                print(f"not in the file: {loss}")
+            print(f"written: {path}")
+
+    def _page(self, repair: Repair, bodies: list[Body], page: Path) -> None:
+        """The clip as it came and put right, side by side, with the numbers."""
+        from halfphysics.baselines import Kinematic
+        from halfphysics.repair.report import measures
+        from halfphysics.simulation.simulate import simulate
+        from halfphysics.viewer.page import save_page
+
+        scene = repair.result.scene
+        # Both are shown as they are: a start in the air is what the page is about.
+        before, after = (
+            simulate(
+                [replace(m, origin=None) for m in motions],
+                scene,
+                body=bodies,
+                settings=Kinematic(substeps=1),
+            )
+            for motions in (repair.originals, repair.motions)
+        )
+        numbers = ", ".join(
+            f"{m.name} {m.before:.1f} to {m.after:.1f} {m.unit}"
+            for m in measures(repair)
+            if m.name in _ON_PAGE
+        )
+        notes = [f"before (left) and after (right): {numbers}", "; ".join(repair.lines)]
+        save_page([before, after], page, title=self.motion.name, notes=notes, progress=progress())

@@ -1,0 +1,67 @@
+"""halfphysics fix: files, numbers, page, mistakes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from repair.test_repair import standing
+
+import halfphysics as hp
+from halfphysics.cli import main
+from support.damage import floating
+
+
+@pytest.fixture
+def clip(tmp_path):
+    path = tmp_path / "clip.npz"
+    floating(standing(), hp.Body.default()).save(path)
+    return path
+
+
+def test_it_writes_the_format_that_it_read(clip, tmp_path, capsys):
+    out = tmp_path / "fixed.npz"
+    assert main(["fix", str(clip), "--out", str(out)]) == 0
+    said = capsys.readouterr().out
+    assert "floated by 5.0 cm: put on the ground" in said
+    assert "Phys-Err" in said
+    assert f"written: {out}" in said
+    made = hp.Motion.load(out)
+    assert made.origin.format == hp.Motion.load(clip).origin.format
+    assert np.ptp(made.translation[:, 2]) < 1e-3
+    assert hp.Motion.load(clip).translation[0, 2] - made.translation[0, 2] == pytest.approx(
+        0.05, abs=2e-3
+    )
+
+
+def test_without_out_nothing_is_written(clip, tmp_path, capsys):
+    assert main(["fix", str(clip)]) == 0
+    assert list(tmp_path.iterdir()) == [clip]
+    assert "before" in capsys.readouterr().out
+
+
+def test_page_and_result(clip, tmp_path):
+    page, result = tmp_path / "page.html", tmp_path / "result.npz"
+    assert main(["fix", str(clip), "--page", str(page), "--result", str(result)]) == 0
+    text = page.read_text(encoding="utf-8")
+    assert "before (left) and after (right)" in text
+    assert "floated by 5.0 cm" in text
+    assert len(hp.Result.load(result)) == len(hp.Motion.load(clip))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["gone.npz"], "gone.npz"),
+        (["C", "--out", "no/fixed.npz"], "does not exist"),
+        (["C", "--page", "page.png"], "expected a name that ends in .html"),
+        (["C", "--smooth", "0"], "smooth: expected a number above 0 [Hz]"),
+        (["C", "--out", "C"], "input"),
+    ],
+)
+def test_a_mistake_is_one_message(clip, tmp_path, capsys, arguments, words, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["fix", *(str(clip) if a == "C" else a for a in arguments)]) == 2
+    err = capsys.readouterr().err
+    assert err.startswith("halfphysics: error: ")
+    assert words in err
+    assert list(tmp_path.iterdir()) == [clip]

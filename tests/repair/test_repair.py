@@ -1,0 +1,111 @@
+"""`hp.fix`: what it finds, what it leaves, several people, scenes, mistakes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import halfphysics as hp
+from halfphysics.errors import InputError
+from halfphysics.repair.report import measures
+from support.damage import FLOATING, floating, sunk
+from support.real_clips import real_clip
+
+#: A clip that floats in all is put down to this [m].
+DOWN = 0.005
+
+
+def standing(frames=40, fps=30.0):
+    """Somebody who stands, upright, on the floor, with arms a little out."""
+    turns = np.zeros((frames, 55, 3))
+    turns[:, 0, 0] = np.pi / 2
+    turns[:, 16, 2], turns[:, 17, 2] = -0.8, 0.8
+    return hp.Motion(np.zeros((frames, 3)), turns, fps).grounded(hp.Body.default(), 0.003)
+
+
+def lowest(motion):
+    return float(hp.Body.default().vertices(motion)[..., 2].min())
+
+
+def test_who_stands_right_comes_back_bit_by_bit():
+    asked = standing()
+    repair = hp.fix(asked)
+    assert repair.done == repair.left == ()
+    assert repair.motion is asked
+
+
+def test_who_floats_is_put_down():
+    repair = hp.fix(floating(standing(), hp.Body.default()))
+    assert abs(lowest(repair.motion)) < DOWN
+    assert any("floated by 5.0 cm" in line for line in repair.done)
+    error = {m.name: m for m in measures(repair)}["Float"]
+    assert error.before > 1000 * FLOATING - 1.0
+    assert error.after == 0.0
+
+
+def test_the_origin_of_an_estimator_may_be_the_pelvis():
+    high = standing()
+    far = high.with_frames(high.translation + np.array([0.0, 0.0, 3.0]), high.rotations)
+    repair = hp.fix(far)
+    assert abs(lowest(repair.motion)) < DOWN
+    assert any("floated by 300" in line for line in repair.done)
+
+
+def test_steps_can_be_left_out():
+    bad = sunk(standing(), hp.Body.default())
+    repair = hp.fix(bad, level=False, plant=False)
+    assert not any("sunk" in line for line in repair.done)
+    assert lowest(repair.motion) > -DOWN  # the simulation still keeps it out of the floor
+
+
+def test_a_scene_is_respected():
+    """Somebody glides ahead (along -y) into a wall and stays in it, the wall 0.5 m ahead."""
+    scene = hp.Scene()
+    scene.add_static("floor", hp.Plane())
+    still = standing(60)
+    pelvis = hp.Body.default().joints(still)[0, 0]
+    scene.add_static("wall", hp.Box((4.0, 0.1, 3.0)), position=(0.0, pelvis[1] - 0.5, 1.5))
+    way = np.outer(np.minimum(np.arange(60) / 40.0, 1.0), [0.0, -0.45, 0.0])
+    ghost = still.with_frames(still.translation + way, still.rotations)
+    repair = hp.fix(ghost, scene, plant=False)
+    deepest = {m.name: m for m in measures(repair)}["deepest in the scene"]
+    assert deepest.before > 40.0
+    assert deepest.after < 1.0
+    assert "Float" not in {m.name for m in measures(repair)}
+
+
+def test_two_people_have_one_ground():
+    body = hp.Body.default()
+    one = floating(standing(), body)
+    other = one.with_frames(one.translation + np.array([0.0, 1.5, 0.0]), one.rotations)
+    repair = hp.fix([one, other])
+    heights = [lowest(motion) for motion in repair.motions]
+    assert max(map(abs, heights)) < DOWN
+    assert len(repair.originals) == len(repair.result.people) == 2
+
+
+def test_what_comes_out_keeps_its_file_and_says_what_came_in():
+    walk = real_clip("asap_walk1.npz")
+    repair = hp.fix(walk)
+    assert repair.motion.origin is not None
+    assert repair.motion.origin.format == walk.origin.format
+    assert repair.motion.recorded is None
+    assert np.array_equal(repair.result.people[0].recorded.translation, walk.translation)
+
+
+def test_the_same_input_gives_the_same_bytes():
+    walk = real_clip("asap_walk1.npz")[:40]
+    made = [hp.fix(walk).motion for _ in range(2)]
+    assert np.array_equal(made[0].rotations, made[1].rotations)
+    assert np.array_equal(made[0].translation, made[1].translation)
+
+
+def test_mistakes_are_one_message():
+    with pytest.raises(InputError, match="expected a Motion"):
+        hp.fix([])
+    with pytest.raises(InputError, match="found 40 frames at 30 fps beside 30"):
+        hp.fix([standing(30), standing(40)])
+    with pytest.raises(InputError, match="found 1, expected one for each of 2"):
+        hp.fix([standing(), standing()], body=[hp.Body.default()])
+    with pytest.raises(InputError, match="smooth"):
+        hp.fix(standing(), smooth=-1.0)

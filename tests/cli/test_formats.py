@@ -1,12 +1,15 @@
-"""The command line on data sets: clips, assets, objects, and losses of a format."""
+"""The command line on data sets: clips, assets, objects, losses of a format; `formats`."""
 
 from __future__ import annotations
+
+import json
 
 import numpy as np
 import pytest
 
 import halfphysics as hp
 from halfphysics.cli.options import SceneOptions
+from halfphysics.formats.registry import FORMATS
 from support.command_line import run
 from support.files.layouts import movement
 from support.files.trumans_files import release
@@ -108,3 +111,23 @@ def test_the_way_out_is_said_in_options(dataset, capsys):
     assert "or read others with --frames START:STOP\n" in capsys.readouterr().err
     assert run("convert", "b.npz", "b.fbx") == 2
     assert ".glb" in capsys.readouterr().err
+
+
+def test_formats_lists_every_format(capsys):
+    assert run("formats") == 0
+    out = capsys.readouterr().out
+    heads = [line.split(":")[0] for line in out.splitlines() if not line.startswith(" ")]
+    assert heads == sorted(FORMATS)
+    assert "not in the file: the person's size in metres, the floor" in out
+
+
+def test_formats_as_json_say_what_the_registry_says(capsys):
+    assert run("formats", "--json") == 0
+    rows = {row["name"]: row for row in json.loads(capsys.readouterr().out)}
+    assert set(rows) == set(FORMATS)
+    for name, format in FORMATS.items():
+        assert rows[name]["writes"] == (format.save is not None)
+        assert ("objects, scene, bodies" in rows[name]["reads"]) == (
+            format.load_sequence is not None
+        )
+        assert rows[name]["about"], f"{name} does not say what it is"

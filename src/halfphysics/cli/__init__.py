@@ -30,6 +30,8 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
         "fix": "put an estimator's or a generator's motion right",
         "play": "play with a simulation in a browser",
         "convert": "write a motion in another format or at another frame rate",
+        "inspect": "say what a motion file is and how it is read, draw three poses",
+        "formats": "list the motion formats",
         "sweep": "simulate variants of many clips, into a labelled data set",
         "bench": "measure speed beside a plain MuJoCo loop",
     }

@@ -66,6 +66,7 @@ def _loses(motion: Motion) -> tuple[str, ...]:
 
 FORMAT = Format(
     name=NAME,
+    about="for the SMPL-X Blender add-on, written only; read as amass-smplx",
     expects="npz with trans (T, 3), gender, betas (n,), poses (T, 165), mocap_frame_rate",
     sniff=None,
     load=amass_smplx.FORMAT.load,

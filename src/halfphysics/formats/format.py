@@ -147,6 +147,10 @@ class Format:
     name: str
     #: The content of its files, for the message that no format fits.
     expects: str
+    #: What it is and where it comes from, in a few words.
+    about: str = ""
+    #: What its files do not say and the reader assumes or finds otherwise, in words.
+    invents: str = ""
     #: Whether the content of a file is of this format. May raise FileError to explain a near
     #: miss that no other format could claim either. None: the sniff of another format finds them.
     sniff: Callable[[Source], bool] | None

@@ -116,6 +116,7 @@ def _save(motion: Motion, path: Path, body: Body | None) -> None:
 
 FORMAT = Format(
     name=NAME,
+    about="the SMPL consortium's .smpl codec",
     expects="npz with codecVersion, bodyPose (T, 22, 3), bodyTranslation (T, 3), frameRate",
     sniff=_sniff,
     load=_load,

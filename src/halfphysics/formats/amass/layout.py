@@ -23,6 +23,8 @@ class Layout:
     width: int
     fps_key: str
     also: tuple[int, ...] = ()
+    about: str
+    invents: str = ""
 
     def encode(self, motion: Motion) -> amass.Fields:
         """The arrays that `Motion.save` writes, by key."""
@@ -33,6 +35,8 @@ class Layout:
         """The layout as an entry of the format registry."""
         return Format(
             name=self.name,
+            about=self.about,
+            invents=self.invents,
             expects=f"npz with trans (T, 3), poses (T, {self.width}), betas, gender, "
             f"{self.fps_key}",
             sniff=self._sniff,

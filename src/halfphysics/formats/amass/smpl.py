@@ -7,5 +7,11 @@ from __future__ import annotations
 
 from halfphysics.formats.amass.layout import Layout
 
-LAYOUT = Layout(name="amass-smpl", width=72, fps_key="mocap_framerate")
+LAYOUT = Layout(
+    name="amass-smpl",
+    width=72,
+    fps_key="mocap_framerate",
+    about="AMASS and what is written like it: SMPL",
+    invents="fingers",
+)
 FORMAT = LAYOUT.format

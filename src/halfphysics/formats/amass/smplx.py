@@ -7,5 +7,11 @@ from __future__ import annotations
 
 from halfphysics.formats.amass.layout import Layout
 
-LAYOUT = Layout(name="amass-smplx", width=165, fps_key="mocap_frame_rate", also=(66,))
+LAYOUT = Layout(
+    name="amass-smplx",
+    width=165,
+    fps_key="mocap_frame_rate",
+    also=(66,),
+    about="AMASS and what is written like it: SMPL-X",
+)
 FORMAT = LAYOUT.format

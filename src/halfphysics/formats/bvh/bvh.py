@@ -184,6 +184,8 @@ def _loses(motion: Motion) -> tuple[str, ...]:
 
 FORMAT = Format(
     name=NAME,
+    about="motion capture of any human skeleton, retargeted by joint names",
+    invents="the person's shape, gender and model",
     expects="BVH text that begins with HIERARCHY, of a person's skeleton",
     sniff=_sniff,
     load=_load,

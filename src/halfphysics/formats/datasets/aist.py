@@ -94,6 +94,8 @@ def _loses(motion: Motion) -> tuple[str, ...]:
 
 FORMAT = Format(
     name=NAME,
+    about="AIST++: dances",
+    invents="shape, gender, fingers, the frame rate (60)",
     expects="pkl with smpl_poses (T, 72), smpl_trans (T, 3), smpl_scaling",
     sniff=_sniff,
     load=_load,

@@ -195,6 +195,8 @@ def _loses(motion: Motion) -> tuple[str, ...]:
 
 FORMAT = Format(
     name=NAME,
+    about="ARCTIC: hands and articulated objects",
+    invents="the person's shape, the frame rate (30)",
     expects="npy with a dict of transl, global_orient, body_pose, left_hand_pose, right_hand_pose",
     sniff=_sniff,
     load=_load,

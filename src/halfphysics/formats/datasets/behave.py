@@ -257,6 +257,8 @@ def _body(
 
 FORMAT = Format(
     name=NAME,
+    about="BEHAVE at 30 fps: a person and an object before Kinects",
+    invents="the person's size in metres, the floor",
     expects=f"a folder with {PERSON} (poses (T, {_WIDTH}), trans, frame_times) and {OBJECT}",
     sniff=_sniff,
     load=_load,

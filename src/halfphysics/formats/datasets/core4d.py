@@ -292,6 +292,8 @@ def _object(folder: Source) -> tuple[Path, str]:
 
 FORMAT = Format(
     name=NAME,
+    about="CORE4D: two people who carry one object",
+    invents="the girth of the people, the twist of fingers, the frame rate (15)",
     expects=f"a folder with {' and '.join(PEOPLE)} ({_FIELD}: a dict) and {_POSES[0]}",
     sniff=_sniff,
     load=_load,

@@ -207,6 +207,8 @@ def _add_table(
 
 FORMAT = Format(
     name=NAME,
+    about="GRAB: people who grasp objects at a table",
+    invents="the person's shape: a template instead",
     expects="npz with body, object {params}, gender, sbj_id, obj_name, n_comps",
     sniff=_sniff,
     load=_load,

@@ -282,6 +282,8 @@ def _loses(motion: Motion) -> tuple[str, ...]:
 
 FORMAT = Format(
     name=NAME,
+    about="InterMimic and InterAct: a person and an object as one tensor",
+    invents="the person's shape, the frame rate (30)",
     expects=f".pt with one tensor (T, {WIDTH})",
     sniff=_sniff,
     load=_load,

@@ -91,6 +91,8 @@ def _loses(motion: Motion) -> tuple[str, ...]:
 
 FORMAT = Format(
     name=NAME,
+    about="Motion-X",
+    invents="gender, eyes, the frame rate (30)",
     expects=f"npy with an array (T, {WIDTH})",
     sniff=_sniff,
     load=_load,

@@ -296,6 +296,8 @@ def _loses(motion: Motion) -> tuple[str, ...]:
 
 FORMAT = Format(
     name=NAME,
+    about="OMOMO: people who move objects, thousands of clips in a file",
+    invents="fingers, the girth of the person",
     expects="joblib .p of id -> clip with seq_name, trans, root_orient, pose_body, obj_trans",
     sniff=_sniff,
     load=_load,

@@ -207,6 +207,8 @@ def _listed(record: Record, key: str, index: int) -> str:
 
 FORMAT = Format(
     name=NAME,
+    about="the TRUMANS release: people, rooms and objects",
+    invents="the frame rate (30)",
     expects="folder with human_pose.npy, human_orient.npy, human_transl.npy, seg_name.npy",
     sniff=_sniff,
     load=_load,

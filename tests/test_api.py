@@ -29,7 +29,7 @@ SETTINGS = (
 PARAMETERS = {
     "Motion": "translation rotations fps betas gender model axes origin stiffness_scale "
     "holds recorded",
-    "Motion.load": "path fps up hands model * gender frames clip assets",
+    "Motion.load": "path fps up hands model * gender frames clip assets floor",
     "Motion.from_smplx": "* fps global_orient transl body_pose jaw_pose leye_pose reye_pose "
     "left_hand_pose right_hand_pose betas expression gender model up hands_mean",
     "Motion.to_smplx": "self",
@@ -41,7 +41,7 @@ PARAMETERS = {
     "export": "what path * body fps",
     "adapt": "motion scene body recorded * settings grip others",
     "load_sequence": "path assets * objects adapt grip ground fps up hands model gender frames "
-    "clip",
+    "clip floor",
     "Pose": "translation rotations axes stiffness_scale",
     "Body.default": "betas stature mass bones",
     "Body.load": "path betas gender * model v_template mass",

@@ -13,6 +13,7 @@ from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
 from halfphysics.formats import registry
 from halfphysics.formats.format import Format
 from halfphysics.formats.people import SHARED, Track, chosen, filled, together
+from support.files.layouts import UPRIGHT
 
 #: Rotations agree to this [rad]: composed of two conversions in double precision.
 TURN = 1e-12
@@ -89,7 +90,9 @@ def _load(source, options):
     length, start = own[options.clip], {"anne": 0, "bert": 10}[options.clip]
     places = np.zeros((length, 3))
     places[:, 0] = (start + np.arange(length)) / 100.0
-    return hp.Motion(places[options.frames], np.zeros((length, 55, 3))[options.frames], 30.0)
+    upright = np.zeros((length, 55, 3))
+    upright[:, 0] = UPRIGHT["z"]
+    return hp.Motion(places[options.frames], upright[options.frames], 30.0)
 
 
 @pytest.fixture

@@ -68,7 +68,6 @@ def test_read_and_written(tmp_path):
 WRONG = [
     ("no pose", without("bodyPose"), "holds a shape and no motion"),
     ("no translation", without("bodyTranslation"), "'bodyTranslation' is missing"),
-    ("no frame rate", without("frameRate"), "Say it with fps="),
     ("frame rate zero", put("frameRate", np.array(0.0)), "'frameRate'"),
     ("frame rate negative", put("frameRate", np.array(-30.0)), "'frameRate'"),
     ("frame rate NaN", put("frameRate", np.array(np.nan)), "'frameRate'"),

@@ -20,15 +20,30 @@ AXES: Mapping[str, Array] = MappingProxyType(
         "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
         # Cameras: x right, y down, z ahead.
         "-y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]),
+        "x": np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]),
+        "-x": np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]),
+        "-z": np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]]),
     }
 )
 
 
 def axes_of(up: str) -> Array:
-    """World from file axes (3, 3) for a file whose `up` axis is "z", "y" or "-y" (y down)."""
+    """World from file axes (3, 3) for a file whose `up` axis is one of `AXES` ("-y": y is down)."""
     if up not in AXES:
         raise InputError(f"up: found {up!r}, expected one of {', '.join(AXES)}")
     return AXES[up]
+
+
+def name_along(axes: Array, direction: Array) -> str:
+    """The axis of a file, such as "-y", that points in a direction (3,) of the world.
+
+    Args:
+        axes: World from file axes (3, 3).
+        direction: Along an axis of the file; else the nearest is named.
+    """
+    there = axes.T @ direction
+    axis = int(np.argmax(np.abs(there)))
+    return ("-" if there[axis] < 0.0 else "") + "xyz"[axis]
 
 
 def turned(translation: Array, rotations: Array, turn: Array) -> tuple[Array, Array]:

@@ -36,6 +36,24 @@ def warn(message: str) -> None:
 
 
 @contextlib.contextmanager
+def held() -> Iterator[list[str]]:
+    """What the block warns of, kept in the list: the caller warns of it, or drops it.
+
+    Where the block ends in an error, all of it is warned of.
+    """
+    texts: list[str] = []
+    before = _texts.set(texts)
+    try:
+        yield texts
+    except BaseException:
+        _texts.reset(before)
+        for text in texts:
+            warn(text)
+        raise
+    _texts.reset(before)
+
+
+@contextlib.contextmanager
 def one_warning(path: Path) -> Iterator[None]:
     """All warnings of `warn` in the block as one: where they are once, each after a semicolon.
 

@@ -129,6 +129,7 @@ def _as_options(message: str) -> str:
     message = message.replace("frames=(start, stop)", "--frames START:STOP")
     message = message.replace("motion alone with Motion.load", "motion alone with --objects none")
     message = re.sub(r"\b(ground|adapt|grip)=False\b", r"--no-\1", message)
+    message = re.sub(r"(?<![\w-])(up|floor)='?(-?\w+)'?", r"--\1=\2", message)
     return re.sub(
         r"(?<![\w-])(fps|hands|model|gender|clip|assets|body|format)=(?:'([^']*)'|(\d[\w.]*))?",
         lambda found: f"--{found[1]} {found[2] or found[3] or ''}".rstrip(),

@@ -8,7 +8,7 @@ from collections.abc import Sequence as Listing
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from halfphysics.base import stored_objects as stored
 from halfphysics.base.npy import Npy
@@ -121,7 +121,8 @@ class Options:
 
     `clip` is "" for a file that holds one motion only; else the name of a clip or a person.
     `objects` is "free" (dynamic from their poses at the first frame) or "replayed" (kinematic
-    along the recorded trajectory).
+    along the recorded trajectory). `floor`: the height in the file that becomes z = 0 [m], or
+    "lowest": that of the lowest skin.
     """
 
     fps: float | None = None
@@ -133,6 +134,9 @@ class Options:
     clip: str = ""
     assets: tuple[Path, ...] = ()
     objects: str = "free"
+    floor: float | Literal["lowest"] | None = None
+    #: Metres per unit of the translations: no option of a caller, `units_check` finds it.
+    unit: float = 1.0
 
 
 def _nothing(motion: Motion) -> tuple[str, ...]:

@@ -30,8 +30,12 @@ class MotionOptions:
 
     fps: float | None = None
     """Frames per second of the motion file, where it does not say."""
-    up: Literal["y", "z"] | None = None
-    """The axis that is up in the motion file, where it is not what its format prescribes."""
+    up: Literal["y", "z", "-y", "x", "-x", "-z"] | None = None
+    """The axis that is up in the motion file, where neither its format nor its content says so
+    (--up=-y: y is down)."""
+    floor: float | Literal["lowest"] | None = None
+    """Height of the floor in the motion file [m], put at z = 0; lowest: that of the lowest
+    skin."""
     hands: Literal["flat", "mean"] | None = None
     """What zero fingers mean in the motion file: a flat hand, or the model's relaxed one."""
     model: str | None = None
@@ -83,6 +87,7 @@ class MotionOptions:
                 data set says.
             ground: As of `load_sequence`.
         """
+        from halfphysics.formats.floor import on_floor
         from halfphysics.formats.registry import adapted, load_sequence
         from halfphysics.scene.scene import Scene
         from halfphysics.simulation.sequence import Sequence
@@ -98,6 +103,8 @@ class MotionOptions:
                 pairs = zip(found.bodies, found.motions, strict=True)
                 bodies = tuple(body(own, motion) for own, motion in pairs)
                 found = replace(found, body=bodies if len(bodies) > 1 else bodies[0])
+                if self.floor == "lowest":  # of these bodies
+                    found = on_floor(found, self.floor, keep=(GROUND,))
             if settings is not None:
                 found = replace(found, settings=settings)
             if not self.adapt or self.objects != "free" or not found.recorded:
@@ -114,6 +121,7 @@ class MotionOptions:
             "frames": self.frame_range(),
             "clip": self.clip,
             "assets": self.assets,
+            "floor": self.floor,
         }
 
     def frame_range(self) -> tuple[int | None, int | None] | None:

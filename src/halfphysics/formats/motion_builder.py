@@ -1,7 +1,7 @@
-"""From the fields of a file to a `Motion`, shared by all formats but AMASS.
+"""From the fields of a file to a `Motion`, shared by all formats.
 
 The module of a format maps the fields; the rules (axes rotated once, hands, shape, frame rate,
-gender, warnings) are here.
+gender, units, warnings) are here.
 """
 
 from __future__ import annotations
@@ -13,24 +13,22 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from halfphysics.base import rotations as rot
 from halfphysics.base.axes import axes_of, turned
 from halfphysics.base.reader_warnings import warn
 from halfphysics.errors import FileError, InputError
 from halfphysics.formats.format import Options
-from halfphysics.formats.speed_check import warn_of_speed
+from halfphysics.formats.speed_check import is_rest_pose, rest_pose_first, warn_of_speed
+from halfphysics.formats.units_check import in_radians, unit_of
 from halfphysics.motion import skeleton
 from halfphysics.motion.file_metadata import FileMetadata
-from halfphysics.motion.motion import GENDERS, MODELS, Motion
+from halfphysics.motion.motion import GENDERS, MAX_SPEED, MODELS, Motion
 from halfphysics.motion.smplx_names import one_shape
 
 Array = NDArray[np.float64]
 
 _HANDS = list(skeleton.LEFT_HAND_JOINTS + skeleton.RIGHT_HAND_JOINTS)
-# No joint turns more than three times about one axis; degrees read as radians do.
-_DEGREES = 20.0
-# Bounds on the mean component of the trunk's direction along an axis: upright above, across below.
-_UPRIGHT, _ACROSS = 0.8, 0.3
+#: Taken where neither file nor format says a frame rate: that of most video and most data sets.
+USUAL_FPS = 30.0
 
 
 def rotations_of(parts: Mapping[tuple[int, ...], Array]) -> Array:
@@ -62,32 +60,6 @@ def same_length(where: str, lengths: Mapping[str, int]) -> int:
             "each as there are frames"
         )
     return next(iter(lengths.values()))
-
-
-def warn_of_degrees(where: str, rotations: Array) -> bool:
-    """Warn of rotations (T, J, 3) that cannot be radians; returns whether it warned."""
-    largest = float(np.abs(rotations[:, 1:]).max(initial=0.0))
-    if largest > _DEGREES:
-        warn(
-            f"{where}: a joint is turned by {largest:.0f} rad; expected axis-angle in radians. "
-            "Are these degrees?"
-        )
-    return largest > _DEGREES
-
-
-def warn_of_axes(where: str, rotations: Array, up: str) -> None:
-    """Warn of a body that is upright along the other axis throughout the motion."""
-    if not len(rotations):
-        return  # Motion raises the error
-    spine = rot.to_matrix(rot.exp(rotations[:, 0]))[:, :, 1].mean(axis=0)
-    # How much the trunk stands along the axis that is up in the file; rows of AXES are the world's.
-    along = float(axes_of(up)[2] @ spine)
-    other = "z" if up != "z" else "y"
-    if float(axes_of(other)[2] @ spine) > _UPRIGHT and abs(along) < _ACROSS:
-        warn(
-            f"{where}: read with {up} up, and the body stands along {other} all the time. If it "
-            f"should not lie, say up={other!r}"
-        )
 
 
 def mean_hands(path: str | os.PathLike[str] | None, gender: str) -> Array:
@@ -134,62 +106,112 @@ def motion_of(
         format: Name of the format.
         translation: Translation of the SMPL origin (T, 3) [m], file axes.
         rotations: Axis-angle (T, 55, 3) [rad], file axes.
-        fps: None if the file does not state it.
+        fps: None if neither the file nor the format states it: 30, with a warning.
         up: The axis that is up in the format; "-y": y is down.
         model: "smplx", "smplh" or "smpl".
         gender: Any spelling; None if the file does not state it: neutral, with a warning.
         betas: (n,), (1, n) or equal rows (T, n); None or empty if the file has none.
-        hands: Meaning of zero fingers; "unsaid": the caller must state it; None: the file has no
+        hands: Meaning of zero fingers; "unsaid": flat, with a warning; None: the file has no
             fingers.
         fields, per_frame: Further data for the format's writer; see `FileMetadata`.
 
     Raises:
-        FileError: The motion is impossible, or a value that the caller must state is missing.
+        FileError: The motion is impossible.
         InputError: An option does not fit the file.
     """
     same_length(where, {"translation": len(translation), "rotations": len(rotations)})
-    fps = _fps(where, options, fps)
+    fps = rate_of(where, options, fps)
     gender = _gender(where, options, gender)
     if options.model is not None and str(options.model) in MODELS:
         model = str(options.model)
-    degrees = warn_of_degrees(where, rotations)
-    warn_of_axes(where, rotations, options.up or up)
-    mean = mean_hands(options.model, gender) if _hands_mean(where, options, hands) else None
+    mean = _mean_hands(where, options, gender, hands)
+    shape = None if betas is None else shape_of(where, betas, len(translation))
+    return made(
+        where,
+        options,
+        format=format,
+        translation=translation,
+        rotations=rotations,
+        fps=fps,
+        up=options.up or up,
+        betas=shape,
+        gender=gender,
+        model=model,
+        mean=mean,
+        fields=fields or {},
+        per_frame=per_frame or {},
+    )
+
+
+def made(
+    where: str,
+    options: Options,
+    *,
+    format: str,
+    translation: Array,
+    rotations: Array,
+    fps: float,
+    up: str,
+    betas: Array | None,
+    gender: str,
+    model: str,
+    mean: Array | None,
+    fields: Mapping[str, Any],
+    per_frame: Mapping[str, NDArray[Any]],
+    quick: bool = False,
+) -> Motion:
+    """The motion of checked fields in the file's axes, in metres and radians by their content.
+
+    Args:
+        mean: The relaxed hand (30, 3) that zero fingers mean; None: a flat hand.
+        quick: It was looked at before, as what a result file holds.
+
+    Raises:
+        FileError: The motion is impossible.
+    """
+    doubtful = quick
+    if not quick:
+        rotations, doubtful = in_radians(where, rotations)
+    own: dict[str, Any] = {"hands_mean": mean}
     if mean is not None:
         rotations = np.array(rotations)
         rotations[:, _HANDS] += mean
-    shape = None if betas is None else _shape(where, betas, len(translation))
-    axes = axes_of(options.up or up)
-    if (options.up or up) != "z":
+    axes = axes_of(up)
+    if up != "z":
         translation, rotations = turned(translation, rotations, axes)
-    metadata = FileMetadata(
-        format=format,
-        fields={**(fields or {}), "hands_mean": mean},
-        per_frame=dict(per_frame or {}),
-    )
+    unit = options.unit
+    if unit == 1.0 and not doubtful:
+        unit = unit_of(where, translation, rotations, fps, axes)
+    if unit != 1.0:
+        translation = unit * translation
+        own["unit"] = unit
+    metadata = FileMetadata(format=format, fields={**fields, **own}, per_frame=dict(per_frame))
     try:
         motion = Motion(
-            translation, rotations, fps, shape, gender, model, axes=axes, origin=metadata
+            translation, rotations, fps, betas, gender, model, axes=axes, origin=metadata
         )
     except InputError as error:
+        jump = len(translation) > 1 and np.linalg.norm(translation[1] - translation[0]) * fps
+        if jump > MAX_SPEED and is_rest_pose(rotations[0]):
+            cause = rest_pose_first(options.frames.start or 0)
+            raise FileError(f"{where}: {error}. {cause}") from None
         raise FileError(f"{where}: {error}") from None
-    if not degrees:
-        warn_of_speed(where, motion)
+    if not doubtful:
+        warn_of_speed(where, motion, options.frames.start or 0)
     return motion
 
 
-def _fps(where: str, options: Options, fps: float | None) -> float:
-    """The frame rate of the options, else that of the file."""
+def rate_of(where: str, options: Options, fps: float | None) -> float:
+    """The frame rate of the options, else that of the file, else the usual one with a warning."""
     fps = fps if options.fps is None else options.fps
     if fps is None:
-        raise FileError(
-            f"{where}: files of this format do not say their frame rate. Say it with fps=, for "
-            "example fps=30"
-        )
+        warn(f"{where}: does not say its frame rate: taken as {USUAL_FPS:g}. Say it with fps=")
+        return USUAL_FPS
     return fps
 
 
-def _shape(where: str, betas: ArrayLike, frames: int) -> Array | None:
+def shape_of(where: str, betas: ArrayLike, frames: int) -> Array | None:
+    """One shape (n,) from betas (n,), (1, n) or equal rows (T, n); None: there is none."""
     try:
         return one_shape("betas", betas, frames)
     except (InputError, ValueError) as error:
@@ -209,19 +231,19 @@ def _gender(where: str, options: Options, gender: str | None) -> str:
     return gender
 
 
-def _hands_mean(where: str, options: Options, hands: str | None) -> bool:
-    """Whether zero fingers mean the model's mean hand; `hands` as in `motion_of`."""
+def _mean_hands(where: str, options: Options, gender: str, hands: str | None) -> Array | None:
+    """What is added to the fingers (30, 3); None: nothing. `hands` as in `motion_of`."""
     if options.hands is not None and hands is None:
         raise InputError(
             f"hands: found {options.hands!r}, but {where} has no fingers. Leave it out"
         )
     if hands == "unsaid" and options.hands is None:
-        raise FileError(
-            f"{where}: files of this format do not say whether zero fingers are a flat hand or "
-            "the model's relaxed one. Say hands='flat', or hands='mean' with model= (the "
-            "body-model file)"
+        warn(
+            f"{where}: does not say whether zero fingers are a flat hand or the model's relaxed "
+            "one: taken as flat. Say hands='flat', or hands='mean' with model= (the body-model "
+            "file)"
         )
-    return (options.hands or hands) == "mean"
+    return mean_hands(options.model, gender) if (options.hands or hands) == "mean" else None
 
 
 def own_fields(motion: Motion) -> Mapping[str, Any]:
@@ -233,7 +255,7 @@ def file_parameters(motion: Motion, format: str) -> tuple[Array, Array, Mapping[
     """Translation and rotations as the files of a format have them, for its writer.
 
     Returns:
-        Translation (T, 3) and rotations (T, 55, 3) with the axes and hands of the
+        Translation (T, 3) and rotations (T, 55, 3) with the axes, unit and hands of the
         motion's file, and the `FileMetadata.fields` (empty if the file is of another format).
     """
     translation, rotations = motion.in_file_axes()
@@ -241,7 +263,7 @@ def file_parameters(motion: Motion, format: str) -> tuple[Array, Array, Mapping[
     fields: Mapping[str, Any] = own.fields if own else {}
     if fields.get("hands_mean") is not None:
         rotations[:, _HANDS] -= fields["hands_mean"]
-    return translation, rotations, fields
+    return translation / fields.get("unit", 1.0), rotations, fields
 
 
 def lost_joints(motion: Motion, held: Sequence[int]) -> tuple[str, ...]:

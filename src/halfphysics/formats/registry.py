@@ -7,18 +7,20 @@ from collections.abc import Callable, Iterable
 from collections.abc import Sequence as Listing
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
+from halfphysics.base.axes import AXES, axes_of
 from halfphysics.base.reader_warnings import one_warning, warn
 from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import body as checked_body
-from halfphysics.base.validation import file_path, frame_rate, shown
+from halfphysics.base.validation import file_path, frame_rate, number, shown
 from halfphysics.errors import FileError, InputError
-from halfphysics.formats import blender, smpl_codec
+from halfphysics.formats import blender, emage, hymotion, smpl_codec
 from halfphysics.formats.amass import smpl as amass_smpl
 from halfphysics.formats.amass import smplh as amass_smplh
 from halfphysics.formats.amass import smplx as amass_smplx
 from halfphysics.formats.bvh import bvh
+from halfphysics.formats.content_check import checked
 from halfphysics.formats.datasets import (
     aist,
     arctic,
@@ -32,6 +34,7 @@ from halfphysics.formats.datasets import (
     trumans_release,
 )
 from halfphysics.formats.datasets.ground import add_ground, needs_ground
+from halfphysics.formats.floor import motion_on_floor, on_floor
 from halfphysics.formats.format import Assets, Format, Options, Source
 from halfphysics.formats.people import Track, chosen, together
 from halfphysics.motion.motion import GENDERS, MODELS, Motion
@@ -60,6 +63,8 @@ FORMATS: dict[str, Format] = {
     for format in (
         behave.FORMAT,  # before AMASS, which has fields of the same names and another axis up
         core4d.FORMAT,
+        emage.FORMAT,  # before AMASS, too
+        hymotion.FORMAT,  # before AMASS, too
         amass_smplx.FORMAT,
         amass_smplh.FORMAT,
         amass_smpl.FORMAT,
@@ -104,14 +109,25 @@ def load_motion(
     frames: tuple[int | None, int | None] | None = None,
     clip: str | None = None,
     assets: Assets = None,
+    floor: float | Literal["lowest"] | None = None,
 ) -> Motion:
     """Implements `Motion.load`; see there."""
-    options = _options(fps, up, hands, model, gender, frames, clip, assets)
+    options = _options(fps, up, hands, model, gender, frames, clip, assets, floor=floor)
     source, format, options = _found(path, options)
     if format.people is not None:
         track = chosen(str(source.path), format.people(source), options.clip)
         options = replace(options, clip=track.name)
-    return format.load(source, options)
+    if _is_result(source):
+        motion = format.load(source, options)
+    else:
+        motion = checked(
+            str(source.path),
+            options,
+            lambda given: format.load(source, given),
+            people=lambda found: (found,),
+            explained=lambda found: False,
+        )
+    return motion if options.floor is None else motion_on_floor(motion, options.floor)
 
 
 def load_sequence(
@@ -129,6 +145,7 @@ def load_sequence(
     gender: str | None = None,
     frames: tuple[int | None, int | None] | None = None,
     clip: str | None = None,
+    floor: float | Literal["lowest"] | None = None,
 ) -> Sequence:
     """Read a motion with the objects and the scene that its data set recorded.
 
@@ -149,6 +166,8 @@ def load_sequence(
         ground: Where the data set brings free objects and nothing to stand on, they get a floor
             named "ground", at the height of the lowest skin and of the lowest of the objects.
             False: none, and all falls.
+        floor: As in `Motion.load`; the things and the scene move along. The lowest skin is that of
+            the people's own bodies where the data set says them.
 
     Returns:
         A `Sequence`; for a format without objects, the motion with an empty scene.
@@ -159,24 +178,45 @@ def load_sequence(
     Raises:
         FileError, InputError: As `Motion.load`, and if an asset is missing.
     """
-    from halfphysics.scene.scene import Scene
-    from halfphysics.simulation.sequence import Sequence
-
     if objects not in ("free", "replayed"):
         raise InputError(f"objects: found {shown(objects)}, expected 'free' or 'replayed'")
-    options = _options(fps, up, hands, model, gender, frames, clip, assets, objects)
+    options = _options(fps, up, hands, model, gender, frames, clip, assets, objects, floor)
     source, format, options = _found(path, options)
     with one_warning(source.path):
-        if format.people is not None:
-            return Sequence(_people(source, format.people(source), format, options), Scene())
-        if format.load_sequence is None:
-            return Sequence(format.load(source, options), Scene())
-        sequence = format.load_sequence(source, options)
+        if _is_result(source):
+            sequence = _sequence(source, format, options)
+        else:
+            sequence = checked(
+                str(source.path),
+                options,
+                lambda given: _sequence(source, format, given),
+                people=lambda found: found.motions,
+                explained=lambda found: bool(found.scene.statics or (ground and found.recorded)),
+            )
+        if options.floor is not None:
+            sequence = on_floor(sequence, options.floor)
         if objects != "free" or not sequence.recorded:
             return sequence
         if ground and needs_ground(sequence):
-            add_ground(sequence, source.path)
+            add_ground(sequence, source.path, None if options.floor is None else 0.0)
         return adapted(sequence, source.path, grip=grip) if adapt else sequence
+
+
+def _is_result(source: Source) -> bool:
+    """Whether a file holds a result, whose motion was looked at when its input was read."""
+    return source.npz is not None and any("/" in key for key in source.npz)
+
+
+def _sequence(source: Source, format: Format, options: Options) -> Sequence:
+    """Motion and scene of a file as its format has them."""
+    from halfphysics.scene.scene import Scene
+    from halfphysics.simulation.sequence import Sequence
+
+    if format.people is not None:
+        return Sequence(_people(source, format.people(source), format, options), Scene())
+    if format.load_sequence is None:
+        return Sequence(format.load(source, options), Scene())
+    return format.load_sequence(source, options)
 
 
 def _people(
@@ -288,8 +328,6 @@ def _by_suffix(motion: Motion, path: Path) -> Format:
 
 def _in_axes(motion: Motion, format: str, up: str, body: Body | None) -> Motion:
     """The motion with `translation` as the files of a format define it."""
-    from halfphysics.base.axes import axes_of
-
     if (motion.axes == axes_of(up)).all():
         return motion
     if body is None:
@@ -311,10 +349,16 @@ def _options(
     clip: str | None,
     assets: Assets,
     objects: str = "free",
+    floor: float | Literal["lowest"] | None = None,
 ) -> Options:
     """The caller's options, checked."""
-    if up not in (None, "z", "y"):
-        raise InputError(f"up: found {up!r}, expected 'z' or 'y'")
+    if up is not None and (not isinstance(up, str) or up not in AXES):
+        raise InputError(f"up: found {shown(up)}, expected one of {', '.join(map(repr, AXES))}")
+    if floor is not None and floor != "lowest":
+        try:
+            floor = number(floor, "floor", unit="m")
+        except InputError as error:
+            raise InputError(f"{error}, or 'lowest'") from None
     if hands not in (None, "flat", "mean"):
         raise InputError(f"hands: found {hands!r}, expected 'flat' or 'mean'")
     if fps is not None:
@@ -351,6 +395,7 @@ def _options(
         clip=clip or "",
         assets=folders,
         objects=objects,
+        floor=floor,
     )
 
 

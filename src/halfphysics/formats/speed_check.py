@@ -22,16 +22,27 @@ _JOINTS = 22
 _REACH = np.zeros(_JOINTS)
 _REACH[[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]] = 1.3, 1.2, 1.2, 1.3, 0.7, 0.7, 1.2, 0.3, 0.3, 1.1
 _REACH[[12, 13, 14, 16, 17, 18, 19]] = 0.3, 0.9, 0.9, 0.8, 0.8, 0.4, 0.4
+#: Joints that are straight in any rest pose: legs, spine, neck, head, elbows; and the shoulders,
+#: which are as one another's mirror image. Turns below this count as none [rad].
+_STIFF = [1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 15, 18, 19]
+_ARMS = [16, 17]
+_REST = 0.3
 # Number of frames computed at once: bounds the memory.
 _CHUNK = 8192
 
 
-def warn_of_speed(where: str, motion: Motion) -> None:
-    """Warn of a root or a joint that moves faster than a person can."""
+def warn_of_speed(where: str, motion: Motion, start: int = 0) -> None:
+    """Warn of a root or a joint that moves faster than a person can.
+
+    Args:
+        where: Name of the file or clip in messages.
+        motion: What was read.
+        start: The number in the file of its first frame.
+    """
     step = np.linalg.norm(np.diff(motion.translation, axis=0), axis=1) * motion.fps
     fastest = int(np.argmax(step))
     if step[fastest] > ROOT_SPEED:
-        _warn(where, "the root", step[fastest], fastest, motion.fps, ROOT_SPEED)
+        _warn(where, "the root", step[fastest], fastest, motion, ROOT_SPEED, start)
         return
     suspects = np.flatnonzero(_bounds(motion, step) > JOINT_SPEED)
     speed, frame, joint = max(
@@ -39,14 +50,38 @@ def warn_of_speed(where: str, motion: Motion) -> None:
         default=(0.0, 0, 0),
     )
     if speed > JOINT_SPEED:
-        _warn(where, JOINT_NAMES[joint], speed, frame, motion.fps, JOINT_SPEED)
+        _warn(where, JOINT_NAMES[joint], speed, frame, motion, JOINT_SPEED, start)
 
 
-def _warn(where: str, what: str, speed: float, frame: int, fps: float, limit: float) -> None:
-    warn(
+def is_rest_pose(rotations: Array) -> bool:
+    """Whether a person (55, 3) is at rest, as in a T-pose: exporters put it before the clip."""
+    arms = rotations[_ARMS]
+    # The mirror image of a turn (x, y, z) is (x, -y, -z).
+    even = np.abs(arms[0] - arms[1] * [1.0, -1.0, -1.0]).max() < _REST
+    return bool(np.linalg.norm(rotations[_STIFF], axis=1).max() < _REST and even)
+
+
+def rest_pose_first(start: int) -> str:
+    """What to say of a clip that jumps from `is_rest_pose`, its frame `start` in the file."""
+    return (
+        f"Frame {start} is a rest pose (a T-pose) that was put before the clip: leave it out with "
+        f"frames=({start + 1}, None)"
+    )
+
+
+def _warn(
+    where: str, what: str, speed: float, frame: int, motion: Motion, limit: float, start: int
+) -> None:
+    said = (
         f"{where}: {what} moves at {speed:.3g} m/s between frames {frame} and {frame + 1}, "
-        f"expected under {limit:g}. Is the frame rate right ({fps:g}; fps= says another)? Where "
-        "the clip is cut or damaged there, read what is before or after it with frames="
+        f"expected under {limit:g}. "
+    )
+    if frame == 0 and is_rest_pose(motion.rotations[0]):
+        warn(said + rest_pose_first(start))
+        return
+    warn(
+        f"{said}Is the frame rate right ({motion.fps:g}; fps= says another)? Where the clip is cut "
+        "or damaged there, read what is before or after it with frames="
     )
 
 

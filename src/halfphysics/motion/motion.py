@@ -6,7 +6,7 @@ import dataclasses
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -394,14 +394,19 @@ class Motion:
         frames: tuple[int | None, int | None] | None = None,
         clip: str | None = None,
         assets: Assets = None,
+        floor: float | Literal["lowest"] | None = None,
     ) -> Motion:
         """Read a motion file; the format is found by content.
 
         Args:
             path: The file, or the folder of a data set that comes as one.
-            fps: Frames per second if the file does not state them (or states them wrongly).
-            up: "z" or "y" if the up axis is not the one that the format prescribes.
-            hands: "flat" or "mean": the meaning of zero fingers, if the format does not define it.
+            fps: Frames per second if the file does not state them (or states them wrongly); unsaid,
+                the format's own rate, or 30 with a warning.
+            up: "z", "y", "-y" (y is down), "x", "-x" or "-z": the axis that is up in the file.
+                Unsaid, the one that the format prescribes, or the one along which the person
+                stands, with a warning.
+            hands: "flat" or "mean": the meaning of zero fingers, if the format does not define it;
+                unsaid, flat with a warning.
             model: A body-model file, needed for mean hands; or "smplx", "smplh", "smpl" where
                 the file does not name its model.
             gender: "neutral", "male" or "female" if the file does not state it.
@@ -410,6 +415,13 @@ class Motion:
                 of the person, if it tracks several: unsaid, the one who is there longest.
             assets: Folders of the data set's other files (meshes, templates), searched before
                 $HALFPHYSICS_MODELS and the file's own folder.
+            floor: Height of the floor in the file [m], z up: it is put at z = 0. "lowest": the
+                lowest skin of the default body in all frames is. None: heights are those of the
+                file, with a warning where soles stay off z = 0.
+
+        Warns:
+            HalfPhysicsWarning: What was assumed, and what the content says against the format's
+                rules: another axis up, another unit, joints that bend the wrong way.
 
         Raises:
             FileError: The file is missing, damaged, of an unknown format, or holds a value that
@@ -428,6 +440,7 @@ class Motion:
             frames=frames,
             clip=clip,
             assets=assets,
+            floor=floor,
         )
 
     def save(

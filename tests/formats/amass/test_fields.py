@@ -21,8 +21,8 @@ def test_the_caller_says_what_a_file_cannot(tmp_path):
     content = fields("smpl")
     del content["mocap_framerate"], content["gender"]
     path = write(tmp_path / "a.npz", content)
-    with pytest.raises(FileError, match=r"no frame rate, found trans.*Say it with fps="):
-        Motion.load(path, gender="male")
+    with pytest.warns(HalfPhysicsWarning, match=r"frame rate: taken as 30\. Say it with fps="):
+        assert Motion.load(path, gender="male").fps == 30.0
     with pytest.warns(HalfPhysicsWarning, match="no field 'gender'"):
         assert Motion.load(path, fps=50).gender == "neutral"
     motion = Motion.load(path, fps=50, gender="male", model="smplh", frames=(2, 6))
@@ -73,7 +73,9 @@ def test_body_only_files_need_a_model(tmp_path):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"up": "x"}, "up: found 'x'"),
+        ({"up": "w"}, "up: found 'w', expected one of 'z', 'y', '-y'"),
+        ({"floor": "soles"}, "floor: expected a number.*'soles', or 'lowest'"),
+        ({"floor": float("nan")}, "floor: expected a number.*or 'lowest'"),
         ({"hands": "pca"}, "hands: found 'pca'"),
         ({"fps": -1}, "fps: found -1"),
         ({"gender": "f"}, "gender: found 'f'"),
@@ -143,11 +145,17 @@ def test_broken_files_name_file_and_field(tmp_path, content, message):
     assert "clip.npz" in str(caught.value)
 
 
-def test_degrees_are_suspected(tmp_path):
+def test_degrees_are_read_as_such_or_suspected(tmp_path):
     path = write(tmp_path / "a.npz", _broken("poses", lambda a: np.degrees(a)))
-    with pytest.warns(HalfPhysicsWarning, match="Are these degrees") as caught:
-        Motion.load(path)
+    with pytest.warns(HalfPhysicsWarning, match="rotations are in degrees, and read as") as caught:
+        found = Motion.load(path)
     assert caught[0].filename == __file__
+    radians = Motion.load(write(tmp_path / "b.npz", fields("smplh")))
+    assert np.abs(found.rotations - radians.rotations).max() < 1e-14
+    one = fields("smplh")
+    one["poses"][5:, 3 * 18] = 90.0  # a fault of the record, perhaps
+    with pytest.warns(HalfPhysicsWarning, match="Are these degrees"):
+        Motion.load(write(tmp_path / "c.npz", one))
 
 
 def test_missing_empty_and_foreign_files(tmp_path):

@@ -193,7 +193,7 @@ def test_wrong_people(data_set, tmp_path, spoil, message):
     spoil(content)
     path = written(tmp_path, content) / "smpl_fit_all.npz"
     if "frame_times" not in content or not {"poses", "trans"} <= content.keys():
-        message = "no known motion format|frame rate"  # its keys say what it is
+        message = "no known motion format|'trans' is missing"  # its keys say what it is
     refused(path, message)
 
 

@@ -103,9 +103,10 @@ def test_a_motion_reader_opens_it(tmp_path, body, axes, model):
 
 def test_keys_of_the_input_file_are_kept(tmp_path, body):
     rng = np.random.default_rng(1)
+    upright = np.eye(1, 156) * np.pi / 2
     given = {
         "trans": rng.normal(size=(4, 3)).astype(np.float32) * 0.01,
-        "poses": rng.normal(0, 0.01, size=(4, 156)).astype(np.float32),
+        "poses": (upright + rng.normal(0, 0.01, size=(4, 156))).astype(np.float32),
         "dmpls": rng.normal(size=(4, 8)),
         "betas": rng.normal(size=16),
         "gender": np.array(b"male"),

@@ -1,10 +1,12 @@
-"""AMASS files with random content in the layouts of SMPL-X, SMPL-H and SMPL."""
+"""AMASS files of upright people, else random, in the layouts of SMPL-X, SMPL-H and SMPL."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import numpy as np
+
+from support.files.layouts import UPRIGHT
 
 WIDTHS = {"smplx": 165, "smplh": 156, "smpl": 72}
 
@@ -13,7 +15,11 @@ def fields(model: str = "smplx", frames: int = 12, seed: int = 0, dtype=np.float
     """A file of the model's layout with random content, no faster than people."""
     rng = np.random.default_rng(seed)
     steps = rng.normal(0, 0.01, (frames, WIDTHS[model]))
-    poses = rng.normal(0, 0.5, WIDTHS[model]) + np.cumsum(steps, axis=0)
+    usual = rng.normal(0, 0.5, WIDTHS[model])
+    usual[:3] = UPRIGHT["z"] + 0.1 * usual[:3]
+    bent = np.array([3 * 4, 3 * 5, 3 * 18 + 1, 3 * 19 + 1])  # knees and elbows, one way only
+    usual[bent] = np.abs(usual[bent]) * [1, 1, -1, 1]
+    poses = usual + np.cumsum(steps, axis=0)
     out = {
         "trans": np.cumsum(rng.normal(0, 0.02, (frames, 3)), axis=0).astype(dtype),
         "poses": poses.astype(dtype),

@@ -13,23 +13,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.base.axes import axes_of, turned
 from halfphysics.base.npz import Npz
 from halfphysics.base.reader_warnings import warn
 from halfphysics.errors import FileError, InputError
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.format import Options, Source
 from halfphysics.formats.motion_builder import (
+    file_parameters,
+    made,
     mean_hands,
+    rate_of,
     rotations_of,
     same_length,
-    warn_of_degrees,
+    shape_of,
 )
-from halfphysics.formats.speed_check import warn_of_speed
 from halfphysics.motion import skeleton
 from halfphysics.motion.file_metadata import FileMetadata
 from halfphysics.motion.motion import GENDERS, MODELS, Motion
-from halfphysics.motion.smplx_names import one_shape
 
 Array = NDArray[np.float64]
 Fields = dict[str, NDArray[Any]]
@@ -52,7 +52,6 @@ SPLIT: Mapping[str, tuple[int, ...]] = {
 }
 FPS_KEYS = ("mocap_frame_rate", "mocap_framerate", "fps")
 FULL_KEY = "poses_smplx"
-_HANDS = list(skeleton.LEFT_HAND_JOINTS + skeleton.RIGHT_HAND_JOINTS)
 _KNOWN = {
     "trans", "poses", "betas", "num_betas", "gender", "surface_model_type", "mocap_time_length",
     FULL_KEY, *SPLIT, *FPS_KEYS,
@@ -123,15 +122,11 @@ def _rotations(npz: Npz, width: int, frames: slice) -> tuple[Array, Array | None
     return full, rigid
 
 
-def _fps(npz: Npz, options: Options) -> tuple[float, str]:
+def _fps(npz: Npz, options: Options, usual: float | None) -> tuple[float, str]:
+    """The frame rate, and its key; `usual` is that of the format where the file has none."""
     key = next((key for key in FPS_KEYS if key in npz), None)
-    if options.fps is not None:
-        return float(options.fps), key or FPS_KEYS[0]
-    if key is None:
-        raise FileError(
-            f"{npz.path}: no frame rate, found {npz.describe()}; expected "
-            f"{' or '.join(FPS_KEYS[:2])}. Say it with fps=, for example fps=30"
-        )
+    if key is None or options.fps is not None:
+        return rate_of(str(npz.path), options, usual), key or FPS_KEYS[0]
     value = npz[key]
     if value.size != 1 or value.dtype.kind not in "fiu" or not 0.0 < float(value.flat[0]) < 1e6:
         raise FileError(
@@ -178,13 +173,29 @@ def _model(npz: Npz, width: int, options: Options) -> str:
     )
 
 
-def load(source: Source, options: Options, format: str) -> Motion:
-    """A motion of any AMASS layout."""
+def load(
+    source: Source,
+    options: Options,
+    format: str,
+    *,
+    up: str = "z",
+    fps: float | None = None,
+    root: Array | None = None,
+) -> Motion:
+    """A motion of any AMASS layout.
+
+    Args:
+        source, options, format: As of `Format.load`, and its name.
+        up: The axis that is up in the format.
+        fps: The frame rate of the format, where the file has none.
+        root: Rotations (T, 3) of the root, where they are not in the poses.
+    """
     npz, width = source.npz, width_of(source)
     if npz is None or width is None:
         raise FileError(f"{source.path}: not an AMASS file")
+    where = str(source.path)
     model = _model(npz, width, options)
-    fps, fps_key = _fps(npz, options)
+    rate, fps_key = _fps(npz, options, fps)
     trans = Record(npz.path, npz).array("trans", None, 3, frames=options.frames)
     rotations, rigid = _rotations(npz, width, options.frames)
     if len(trans) != len(rotations):
@@ -192,40 +203,38 @@ def load(source: Source, options: Options, format: str) -> Motion:
             f"{source.path}: field 'trans' has {len(trans)} frames and the poses {len(rotations)}; "
             "expected the same number"
         )
+    if root is not None:
+        rotations[:, 0] = root[options.frames]
     gender = _gender(npz, options)
-    degrees = warn_of_degrees(str(source.path), rotations)
     mean = None
     if options.hands == "mean":
         if width not in (165, 156):
             raise InputError(f"hands: found 'mean', but {source.path} has no fingers. Leave it out")
         mean = mean_hands(options.model, gender)
-        rotations[:, _HANDS] += mean
     betas, betas_shape = None, None
     if "betas" in npz:
         value = npz["betas"]
-        try:
-            betas = one_shape("betas", value, npz.header("trans")[0][0])
-        except (InputError, ValueError) as error:
-            raise FileError(f"{source.path}: field '{error}'") from None
+        betas = shape_of(where, value, npz.header("trans")[0][0])
         betas_shape = value.shape
-    axes = axes_of(options.up or "z")
-    translation = trans
-    if (options.up or "z") != "z":
-        translation, rotations = turned(translation, rotations, axes)
     metadata = _file_metadata(npz, format, options.frames, len(trans), rigid)
-    fields = {**metadata.fields, "width": width, "fps_key": fps_key, "hands_mean": mean}
-    fields["betas_shape"] = betas_shape
-    metadata = FileMetadata(format=format, fields=fields, per_frame=metadata.per_frame)
-    try:
-        motion = Motion(
-            translation, rotations, fps, betas, gender, model, axes=axes, origin=metadata
-        )
-    except InputError as error:
-        raise FileError(f"{source.path}: {error}") from None
-    # The motion of a result file was checked when its input was read.
-    if not degrees and not any("/" in key for key in npz):
-        warn_of_speed(str(source.path), motion)
-    return motion
+    own = {"width": width, "fps_key": fps_key, "betas_shape": betas_shape}
+    return made(
+        where,
+        options,
+        format=format,
+        translation=trans,
+        rotations=rotations,
+        fps=rate,
+        up=options.up or up,
+        betas=betas,
+        gender=gender,
+        model=model,
+        mean=mean,
+        fields={**metadata.fields, **own},
+        per_frame=metadata.per_frame,
+        # The motion of a result file was checked when its input was read.
+        quick=any("/" in key for key in npz),
+    )
 
 
 def _file_metadata(
@@ -266,13 +275,10 @@ def encode(motion: Motion, format: str, width: int, fps_key: str) -> Fields:
         fps_key: Key of the frame rate, likewise.
     """
     own = motion.origin if motion.origin and motion.origin.format == format else None
-    said: Mapping[str, Any] = own.fields if own else {}
+    trans, rotations, said = file_parameters(motion, format)
     constants: Fields = dict(said.get("constants", {}))
     width, fps_key = said.get("width", width), said.get("fps_key", fps_key)
     frames = len(motion)
-    trans, rotations = motion.in_file_axes()
-    if said.get("hands_mean") is not None:
-        rotations[:, _HANDS] -= said["hands_mean"]
     columns = COLUMNS[width]
     poses = np.zeros((frames, len(columns), 3))
     held = [i for i, joint in enumerate(columns) if joint >= 0]

@@ -77,7 +77,7 @@ def add_hinged(
         FileError, InputError: A mesh cannot be used.
     """
     angles = pose[:, 0]
-    places = (MILLIMETRE * pose[:, 4:]) @ axes.T
+    places = (options.unit * MILLIMETRE * pose[:, 4:]) @ axes.T
     turns = rot.multiply(rot.from_matrix(axes), rot.exp(pose[:, 1:4]))
     opened = rot.normalize(rot.multiply(turns, rot.exp(angles[:, None] * _AXIS)))
     poses = {"bottom": rot.normalize(turns), "top": opened}

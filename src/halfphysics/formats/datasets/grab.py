@@ -189,6 +189,7 @@ def _add_table(
 ) -> dict[str, ObjectTrack]:
     """Add the table as a static, or as a kinematic body if it was pushed or lifted."""
     places, turns = _poses(table, total, options)
+    places = options.unit * places
     mesh = find(source, options, ends(table.text("table_mesh")), "the mesh of the table")
     solid, _ = load_mesh(mesh, up="z")
     low, high = solid.vertices.min(axis=0), solid.vertices.max(axis=0)

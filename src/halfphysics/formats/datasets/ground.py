@@ -29,7 +29,7 @@ def needs_ground(sequence: Sequence) -> bool:
     statics = sequence.scene.statics.values()
     if any(isinstance(static.shape, Plane) for static in statics):
         return False
-    height = _lowest_skin(sequence) if statics else 0.0
+    height = lowest_skin(sequence) if statics else 0.0
     for static in statics:
         corners = rot.rotate(static.quaternion, static.shape.triangles()[0]) + static.position
         low, high = corners.min(axis=0), corners.max(axis=0)
@@ -42,8 +42,8 @@ def needs_ground(sequence: Sequence) -> bool:
     return True
 
 
-def _lowest_skin(sequence: Sequence) -> float:
-    """[m]"""
+def lowest_skin(sequence: Sequence) -> float:
+    """Height of the lowest skin in all frames [m]."""
     from halfphysics.body.body import Body
 
     skins = [
@@ -53,17 +53,21 @@ def _lowest_skin(sequence: Sequence) -> float:
     return float(min(skins))
 
 
-def add_ground(sequence: Sequence, path: Path) -> None:
+def add_ground(sequence: Sequence, path: Path, height: float | None = None) -> None:
     """Add a floor to a sequence's scene, under the lowest skin and the lowest of its objects.
 
     Args:
         sequence: With recorded objects, in a scene without a floor.
         path: The file, for the message.
+        height: Where the floor is, if the caller says it [m].
 
     Warns:
         HalfPhysicsWarning: Where the floor is.
     """
-    height = _lowest_skin(sequence)
+    if height is not None:
+        sequence.scene.add_static(GROUND, Plane(offset=height))
+        return
+    height = lowest_skin(sequence)
     for name, track in sequence.recorded.items():
         item = sequence.scene.objects.get(name)
         if item is None:

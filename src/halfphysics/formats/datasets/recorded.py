@@ -90,7 +90,7 @@ def add_recorded(
             f"{where}: object {name!r}: the matrix of frame {int(np.argmax(bad))} is no rotation; "
             "expected orthonormal 3 x 3 matrices"
         )
-    places = position @ axes.T
+    places = options.unit * position @ axes.T
     turns = rot.from_matrix(axes @ rotation)
     track = ObjectTrack(position=places, quaternion=turns)
     if options.objects == "replayed":

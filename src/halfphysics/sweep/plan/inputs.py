@@ -17,7 +17,7 @@ from typing import Any, Literal, get_args, get_type_hints
 
 import numpy as np
 
-from halfphysics.base.validation import file_path, frame_rate, shown
+from halfphysics.base.validation import file_path, frame_rate, number, shown
 from halfphysics.errors import FileError, InputError
 from halfphysics.formats.loading import MotionOptions
 from halfphysics.motion.motion import MODELS
@@ -34,8 +34,8 @@ class Inputs:
         files: Patterns (*, ?, [...], ** for any folders between), relative to the plan's folder;
             a pattern that ends in a slash matches folders, for data sets with one folder per clip.
         scenarios: Names of scenarios; these or files.
-        options: For files the fields of `io.asked.MotionOptions` (fps, up, hands, model, gender,
-            frames, clip, assets, objects, adapt, grip), for scenarios their own options.
+        options: For files the fields of `io.asked.MotionOptions` (fps, up, floor, hands, model,
+            gender, frames, clip, assets, objects, adapt, grip), for scenarios their own options.
         ground: Add a floor at z = 0 if the scene has no plane.
     """
 
@@ -121,19 +121,19 @@ def resolve(entries: Sequence[Inputs], base: Path, outputs: str) -> list[str]:
         FileError: No file matches a pattern, or a line cannot hold a name.
     """
     lines = []
-    for number, entry in enumerate(entries):
+    for place, entry in enumerate(entries):
         if entry.scenarios:
-            lines += [f"scenario\t{name}\t{number}" for name in entry.scenarios]
+            lines += [f"scenario\t{name}\t{place}" for name in entry.scenarios]
             continue
         found: set[str] = set()
         for k, pattern in enumerate(entry.files):
             count = 0
             for name in _matches(pattern, base, outputs):
-                found.add(f"file\t{name}\t{number}")  # a million: no second copy of them
+                found.add(f"file\t{name}\t{place}")  # a million: no second copy of them
                 count += 1
             if not count:
                 raise FileError(
-                    f"inputs[{number}].files[{k}]: no {'folder' if pattern[-1:] == '/' else 'file'}"
+                    f"inputs[{place}].files[{k}]: no {'folder' if pattern[-1:] == '/' else 'file'}"
                     f" matches {pattern!r} in {base.absolute()}; patterns are relative to the "
                     "plan's folder, ** stands for any folders between"
                 )
@@ -148,8 +148,8 @@ def read_line(line: str, entries: Sequence[Inputs], base: Path) -> Input:
         FileError: The line cannot belong to this plan.
     """
     kind, _, rest = line.partition("\t")
-    name, _, number = rest.partition("\t")
-    place = int(number) if number.isascii() and number.isdigit() else 0 if not number else -1
+    name, _, digits = rest.partition("\t")
+    place = int(digits) if digits.isascii() and digits.isdigit() else 0 if not digits else -1
     if kind not in ("file", "scenario") or not name or not 0 <= place < len(entries):
         raise FileError(
             f"inputs: found the line {shown(line)}, expected 'file' or 'scenario', a name, and the "
@@ -254,6 +254,11 @@ def _motion_options(options: dict[str, Any]) -> dict[str, Any]:
             raise InputError(f"{name}: found {shown(options[name])}, expected true or false")
     if "fps" in options:
         frame_rate(options["fps"])
+    if options.get("floor", "lowest") != "lowest":
+        try:
+            options["floor"] = number(options["floor"], "floor", unit="m")
+        except InputError as error:
+            raise InputError(f"{error}, or lowest") from None
     if "frames" in options:
         MotionOptions(frames=options["frames"]).frame_range()
     return options

@@ -130,7 +130,9 @@ def test_an_archive_that_only_fills_the_memory(tmp_path, monkeypatch):
 
     monkeypatch.setattr(npz, "SUSPICIOUS_BYTES", 2**20)
     path = tmp_path / "bomb.npz"
-    still = {"trans": np.zeros((2000, 3)), "poses": np.zeros((2000, 165)), "fps": 30.0}
+    poses = np.zeros((2000, 165))
+    poses[:, 0] = np.pi / 2
+    still = {"trans": np.tile([0.0, 0.0, 0.9], (2000, 1)), "poses": poses, "fps": 30.0}
     np.savez_compressed(path, **still)
     with pytest.raises(FileError, match="expected at most 200 times its size"):
         hp.Motion.load(path)

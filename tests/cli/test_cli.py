@@ -222,7 +222,6 @@ MISTAKES = {
     "a field missing": (["notrans.npz"], r"notrans\.npz: field 'trans' is missing.*expected trans"),
     "NaN": (["nan.npz"], r"nan\.npz: field 'poses': 1 values are NaN.*frame 3.*expected finite"),
     "one frame": (["one.npz"], r"one\.npz.*found 1 frame.*expected at least 2.*Repeat"),
-    "no frame rate": (["nofps.npz"], r"nofps\.npz: no frame rate.*Say it with --fps,"),
     "truncated": (["cut.npz"], r"cut\.npz: damaged or truncated"),
     "text": (["text.npz"], r"text\.npz: no known motion format"),
     "unknown shape": (
@@ -278,7 +277,6 @@ def mistaken(tmp_path_factory):
     write_motion(folder / "notrans.npz", trans=None)
     write_motion(folder / "nan.npz", poses=NAN)
     write_motion(folder / "one.npz", frames=1)
-    write_motion(folder / "nofps.npz", mocap_frame_rate=None)
     (folder / "cut.npz").write_bytes((folder / "walk.npz").read_bytes()[:700])
     (folder / "text.npz").write_text("hello")
     (folder / "points.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\n")

@@ -98,13 +98,16 @@ def test_the_way_out_is_said_in_options(dataset, capsys):
     translation, rotations = movement()
     fields = {"trans": translation, "poses": rotations.reshape(-1, 165)}
     np.savez(dataset / "a.npz", **fields)
-    assert run("convert", "a.npz", "b.npz") == 2
-    assert "Say it with --fps, for example --fps 30\n" in capsys.readouterr().err
+    assert run("convert", "a.npz", "b.npz") == 0
+    told = capsys.readouterr().err
+    assert "taken as 30. Say it with --fps" in told
+    assert "taken as neutral. Say it with --gender" in told
     assert run("convert", "a.npz", "b.npz", "--fps", "30") == 0
-    assert "taken as neutral. Say it with --gender\n" in capsys.readouterr().err
     assert run("convert", "b.npz", "b.pkl", "--format", "trumans-clip", "--stature", "1.7") == 0
-    assert run("convert", "b.pkl", "c.npz") == 2
+    assert run("convert", "b.pkl", "c.npz", "--stature", "1.7") == 0
     assert "Say --hands flat, or --hands mean with --model (" in capsys.readouterr().err
+    assert run("convert", "a.npz", "y.npz", "--up=-y", "--fps", "30") == 0
+    assert hp.Motion.load("y.npz", up="-y").axes[2, 1] == -1.0
     fields["trans"] = np.full_like(translation, np.nan)
     np.savez(dataset / "a.npz", **fields)
     assert run("convert", "a.npz", "b.npz", "--fps", "30") == 2

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
-from halfphysics.errors import HalfPhysicsWarning
+from halfphysics.errors import FileError, HalfPhysicsWarning
 from halfphysics.formats import speed_check
-from support.files.layouts import movement
+from support.files.layouts import UPRIGHT, movement
 
 
 def loaded(path, translation, rotations, fps=60.0):
@@ -44,6 +44,29 @@ def test_a_joint_that_flips_is_named(tmp_path, turned, seen):
     # The message agrees with the skeleton.
     joints = hp.Body.default().joints(motion)[40:42]
     assert np.linalg.norm(joints[1] - joints[0], axis=1).max() * 60.0 > speed_check.JOINT_SPEED
+
+
+@pytest.mark.parametrize("arms", [0.0, 0.8])
+@pytest.mark.parametrize("root", [0.5, 3.0])
+def test_a_rest_pose_before_the_clip_is_named(tmp_path, root, arms):
+    """A T-pose or an A-pose at the origin, and the clip elsewhere: a warning, or an error."""
+    translation, rotations = movement(60)
+    translation += [root, 0.0, 0.0]
+    first = np.zeros((1, 55, 3))
+    first[0, 0] = UPRIGHT["z"]
+    first[0, [16, 17], 2] = -arms, arms
+    path = tmp_path / "a.npz"
+    poses = np.concatenate([first, rotations]).reshape(61, 165)
+    places = np.concatenate([np.zeros((1, 3)), translation])
+    np.savez(path, trans=places, poses=poses, fps=60.0, gender="male")
+    way_out = r"Frame 0 is a rest pose \(a T-pose\).*frames=\(1, None\)"
+    if root > 1.0:
+        with pytest.raises(FileError, match=way_out):
+            hp.Motion.load(path)
+    else:
+        with pytest.warns(HalfPhysicsWarning, match=way_out):
+            hp.Motion.load(path)
+    assert len(hp.Motion.load(path, frames=(1, None))) == 60  # and without a word
 
 
 def test_a_rate_that_is_wrong_is_seen(tmp_path):

@@ -243,7 +243,7 @@ def test_smplx_smpl_body_and_mean_hands():
         ({"transl": np.zeros((4, 2))}, "transl: found shape"),
         ({"betas": np.arange(8.0).reshape(4, 2)}, "betas: the shape changes over the frames"),
         ({"betas": np.zeros((3, 2))}, "betas: found shape"),
-        ({"up": "x"}, "up: found 'x'"),
+        ({"up": "w"}, "up: found 'w'"),
         ({"hands_mean": np.zeros(45)}, "hands_mean: found shape"),
     ],
 )

@@ -21,7 +21,7 @@ def standing(tmp_path, height: float = 0.0, root=UPRIGHT) -> hp.Motion:
     rotations[:, 0] = root
     motion = hp.Motion(np.zeros((2, 3)), rotations, 30.0).grounded(hp.Body.default(), height)
     motion.save(tmp_path / "a.npz")
-    return hp.Motion.load(tmp_path / "a.npz")
+    return hp.Motion.load(tmp_path / "a.npz", up="z")
 
 
 def floor() -> hp.Scene:

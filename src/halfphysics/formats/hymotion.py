@@ -16,6 +16,7 @@ from halfphysics.errors import FileError
 from halfphysics.formats.amass import fields as amass
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.motion_builder import same_length
 from halfphysics.motion.motion import Motion
 
 if TYPE_CHECKING:
@@ -40,6 +41,7 @@ def _load(source: Source, options: Options) -> Motion:
     record = Record(source.path, source.npz)
     root = record.array(_ROOT, None, 3)
     poses = record.array("poses", None, WIDTH)
+    same_length(record.where, {_ROOT: len(root), "poses": len(poses)})
     instead = None if poses[:, :3].any() else root
     return amass.load(source, options, NAME, up="y", fps=FPS, root=instead)
 

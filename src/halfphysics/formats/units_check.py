@@ -25,9 +25,9 @@ _METRES = 5.0
 #: Feet say it if root and feet move together so well (a correlation), over a way of at least this
 #: [m]. A foot that turns slower than this is planted [rad/s].
 _TOGETHER, _WAY, PLANTED = 0.7, 0.1, 0.5
-#: Who stands or sits has the root so far above the soles [m], stands at zero to within this [m], and
+#: Who stands or sits has the root so far above the soles [m], and these at zero to within this [m],
 #: not at a height of more than this in the file's unit.
-_LEGS, _NEAR, _HIGH = 0.45, 0.3, 20.0
+_LEGS, _NEAR, _HIGH = 0.45, 0.2, 20.0
 #: An axis-angle component beyond this is no angle of a joint in radians: it is more than a turn.
 _TURN = 2.0 * np.pi
 #: Beyond this it is suspicious [rad]; so many joints make it certain: in degrees most bend more.

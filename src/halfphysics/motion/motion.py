@@ -313,7 +313,7 @@ class Motion:
             expression: Ignored, with a warning where it is not zero: the face is not simulated.
             gender: As in `Motion`, as is `model`.
             model: See gender.
-            up: The axis that is up in these parameters, "z" or "y".
+            up: The axis that is up in these parameters: "z", "y", "-y" (y down), "x", "-x", "-z".
             hands_mean: (90,) mean hand of the model, left then right, to add to the fingers
                 where they were made with ``flat_hand_mean=False``.
 
@@ -368,7 +368,7 @@ class Motion:
 
         Args:
             body: The body whose pelvis at rest is J0.
-            up: "z" or "y".
+            up: As in `from_smplx`.
         """
         axes = axes_of(up)
         if np.array_equal(self.axes, axes):

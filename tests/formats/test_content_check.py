@@ -11,13 +11,17 @@ import pytest
 import halfphysics as hp
 from halfphysics.base import rotations as rot
 from halfphysics.base.axes import AXES, axes_of
-from halfphysics.formats import FORMATS, content_check
-from halfphysics.formats.format import Options
+from halfphysics.errors import HalfPhysicsWarning
+from halfphysics.formats import FORMATS, content_check, registry
+from halfphysics.formats.format import Format, Options
+from halfphysics.formats.motion_builder import motion_of
+from halfphysics.formats.people import Track
 from halfphysics.results.result import ObjectTrack
 from support.carries.files import LAYOUTS
 from support.carries.files.written import at_rate
 from support.carries.recordings import Case, Recording
 from support.files.layouts import quiet
+from support.files.trumans_files import release
 from support.files.wrong_axes import (
     TOLD,
     TRANSLATIONS,
@@ -155,6 +159,61 @@ def test_things_and_people_turn_together(tmp_path, layout, up):
     high = rot.rotate(right.track.quaternion[:, None], corners[None] - middle)[..., 2]
     seen = rot.rotate(thing.quaternion[:, None], corners[None] - middle)[..., 2]
     assert np.abs(np.sort(high) - np.sort(seen)).max() < 1e-4
+
+
+@pytest.mark.parametrize("up", ["-y", "z"])
+def test_a_release_in_a_folder_is_told(tmp_path, up):
+    """TRUMANS: y up; clips of less than a second say nothing for sure."""
+    folder = release(tmp_path / "trumans", objects=False)
+    turn = axes_of(up).T @ axes_of("y")
+    orient, places = (np.load(folder / f"human_{name}.npy") for name in ("orient", "transl"))
+    turns = rot.log(rot.multiply(rot.from_matrix(turn), rot.exp(orient)))
+    np.save(folder / "human_orient.npy", turns.astype(np.float32))
+    np.save(folder / "human_transl.npy", (places @ turn.T).astype(np.float32))
+    with pytest.warns(HalfPhysicsWarning, match=f"Then say up='{up}'"):
+        hp.Motion.load(folder, clip="walk@1 again")
+
+
+def test_things_in_centimetres_come_along(tmp_path):
+    module, _ = LAYOUTS["behave"]
+    path = module.write(carried("z"), tmp_path).path
+    right = quiet(path, adapt=False, objects="replayed")
+    for name in ("smpl_fit_all.npz", "object_fit_all.npz"):
+        with np.load(path / name) as old:
+            fields = dict(old)
+        np.savez(path / name, **(fields | {"trans": 100.0 * fields["trans"]}))
+    with pytest.warns(HalfPhysicsWarning, match="translations are in centimetres") as caught:
+        found = hp.load_sequence(path, adapt=False, objects="replayed")
+    assert len(caught) == 1
+    assert np.abs(found.motion.translation - right.motion.translation).max() < SAME
+    (thing,), (same,) = found.recorded.values(), right.recorded.values()
+    assert np.abs(thing.position - same.position).max() < SAME
+
+
+def test_people_of_one_file_are_looked_at_together(tmp_path, monkeypatch):
+    """One of them hardly moves: with the other it is clear which axis is up."""
+    people = {"a": turned(walker(), "x"), "b": turned(walker(), "x")[:50]}
+
+    def load(source, options: Options) -> hp.Motion:
+        motion = people[options.clip]
+        return motion_of(
+            "two", options, format="two", translation=motion.translation[options.frames],
+            rotations=motion.rotations[options.frames], fps=30.0, up="z", model="smplx",
+            gender="neutral",
+        )  # fmt: skip
+
+    format = Format(
+        name="two", expects="two", sniff=lambda source: source.head == b"two", load=load,
+        people=lambda source: [Track("a", 0, 90), Track("b", 30, 80)],
+    )  # fmt: skip
+    monkeypatch.setitem(registry.FORMATS, "two", format)
+    (tmp_path / "two").write_bytes(b"two")
+    with pytest.warns(HalfPhysicsWarning, match="read with x up") as caught:
+        found = hp.load_sequence(tmp_path / "two").motions
+    assert len(caught) == 1
+    truth = heights(walker())
+    for motion, asked in zip(found, (truth[30:80], truth[:50]), strict=True):
+        assert np.abs(heights(motion) - asked).max() < SAME
 
 
 def lying() -> hp.Motion:

@@ -210,12 +210,13 @@ def _add_object(
     files += [f"objects/{name}/{name}.obj", f"{name}/{name}.obj"]
     mesh = find(source, options, files, f"the mesh of {name!r}")
     matrix = rot.rotvec_to_matrix(turns)
+    middle = mesh_vertices(mesh).mean(axis=0) / options.unit
     with of_file(record.where):
         track = add_recorded(
             scene,
             name,
             mesh,
-            places - matrix @ mesh_vertices(mesh).mean(axis=0),
+            places - matrix @ middle,
             matrix,
             where=record.where,
             axes=motion.axes,

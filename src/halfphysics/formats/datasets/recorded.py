@@ -68,7 +68,7 @@ def add_recorded(
         scene: Scene to add it to, free from its first pose or replayed (`Options.objects`).
         name: Name of the object.
         mesh: Its mesh file, or mesh, in its own axes [m, times `scale`].
-        position: Positions (T, 3) [m], file axes.
+        position: Positions (T, 3) in the unit of the file (`Options.unit`), file axes.
         rotation: Rotations (T, 3, 3), file axes.
         where: Name of the clip in messages.
         axes: World from file axes (3, 3), as `Motion.axes`.

@@ -56,6 +56,7 @@ def _save(motion: Motion, path: Path, body: Body | None) -> None:
 
 FORMAT = Format(
     name=NAME,
+    about="EMAGE and BEAT2: people who speak, of generators and their data set",
     expects=f"npz with trans (T, 3), poses (T, {WIDTH}), expressions (T, {FACE}), model",
     sniff=_sniff,
     load=_load,

@@ -54,6 +54,8 @@ def _save(motion: Motion, path: Path, body: Body | None) -> None:
 
 FORMAT = Format(
     name=NAME,
+    about="HY-Motion: a generator",
+    invents="the frame rate (30) in older files",
     expects=f"npz with Rh (T, 3), trans (T, 3), poses (T, {WIDTH}), betas (1, {BETAS})",
     sniff=_sniff,
     load=_load,

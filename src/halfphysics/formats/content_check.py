@@ -51,10 +51,11 @@ _TOUCHES, _STAYS, _LEVEL, _BALANCED = 0.04, 0.2, 0.06, 0.15
 _MORE, _THIRD = 0.3, 0.15
 #: Who does not stand is borne along another axis so often, and so much more often, if it is up.
 _OFTEN, _RATHER = 0.7, 0.4
-#: A hinge bends the wrong way beyond this [rad], in this part of the frames; one alone in so many.
-_BENT, _WRONG, _SURELY = 0.3, 0.1, 0.3
-#: Root and planted feet move against each other: correlation, and the least way [m].
-_AGAINST, _WAY = -0.8, 0.1
+#: A hinge bends the wrong way beyond this [rad], or this in a clip under two seconds, in this
+#: part of the frames and so many times as often as the right way; one alone in so many of them.
+_BENT, _FAR_BENT, _WRONG, _RIGHT, _SURELY = 0.3, 0.8, 0.1, 5.0, 0.3
+#: Root and planted feet move against each other: correlation, the least way [m], in so many pairs.
+_AGAINST, _WAY, _PLANTED_PAIRS = -0.8, 0.1, 12
 #: People may be so far off z = 0 because the default body has another size than they [m].
 _FLOOR = 0.15
 
@@ -147,7 +148,8 @@ def _axis(
             f"read with {other} up: the person stands along {other}, and by the format {rule} is "
             f"up (up={rule!r}: it is)"
         ]
-    if (said is None and (short or more > -_MORE)) or clear:
+    doubtful = more > -_MORE and (straight or not short)
+    if (said is None and doubtful) or clear:
         how = "upside down" if stands[2] < 0.0 else "lying"
         return None, [
             f"read with {rule} up, and the person is along {other} most of the time: {how}, or is "
@@ -213,13 +215,14 @@ def _sides(motions: Sequence[Motion]) -> list[str]:
     joints = [joint for _, joint, _, _ in _HINGES]
     turns = [rot.log(rot.exp(motion.rotations[_spread(motion)][:, joints])) for motion in motions]
     values = np.concatenate(turns)
-    wrong = []
+    short = max(motion.duration for motion in motions) < 2.0 * _SHORT
+    bent, wrong = _FAR_BENT if short else _BENT, []
     for k, (name, _, axis, sign) in enumerate(_HINGES):
         bend = sign * values[:, k, axis]
-        back, right = float((bend < -_BENT).mean()), float((bend > _BENT).mean())
-        if back > max(_WRONG, right):
+        back, right = float((bend < -bent).mean()), float((bend > bent).mean())
+        if back > max(_WRONG, _RIGHT * right):
             wrong.append((name, back))
-    if len(wrong) < 2 and not any(back > _SURELY for _, back in wrong):
+    if len(wrong) < 2 and (short or not any(back > _SURELY for _, back in wrong)):
         return []  # one joint may be a fault of the record
     which = ", ".join(f"{name} ({100.0 * part:.0f} % of the frames)" for name, part in wrong)
     return [
@@ -237,12 +240,16 @@ def _feet(looks: Sequence[Glance]) -> list[str]:
     looks, against = [look for look in looks if look.duration >= _SHORT], []
     if not looks:
         return []
+    planted = [look.turned < PLANTED for look in looks]
+    pairs = list(zip(looks, planted, strict=True))
+    every_foot = np.concatenate([look.feet[still] for look, still in pairs])
+    every_root = np.concatenate(
+        [np.repeat(look.moved[:, None], 2, axis=1)[still] for look, still in pairs]
+    )
+    if len(every_foot) < _PLANTED_PAIRS:
+        return []
     for axis, name in ((0, "x"), (1, "y")):
-        feet = np.concatenate([look.feet[look.turned < PLANTED][:, axis] for look in looks])
-        moved = [np.repeat(look.moved[:, None], 2, axis=1) for look in looks]
-        root = np.concatenate(
-            [m[look.turned < PLANTED][:, axis] for m, look in zip(moved, looks, strict=True)]
-        )
+        feet, root = every_foot[:, axis], every_root[:, axis]
         size = float(np.sqrt((feet * feet).sum() * (root * root).sum()))
         together = -float((feet * root).sum())
         if float(np.abs(feet).sum()) > _WAY and together < _AGAINST * size:

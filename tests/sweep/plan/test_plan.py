@@ -16,7 +16,7 @@ import yaml
 from halfphysics.errors import FileError, InputError
 from halfphysics.sweep import Plan, Variants
 from halfphysics.sweep.plan.choices import BodyChoice, SceneChoice
-from halfphysics.sweep.plan.inputs import Inputs
+from halfphysics.sweep.plan.inputs import Inputs, file_options
 from halfphysics.sweep.plan.plan import OF_RESULT, OF_VARIANT, Labels, Outputs, resolve_inputs
 from halfphysics.sweep.plan.plan_file import _BODY_KEYS, _KEYS, _LABEL_KEYS, _OUTPUT_KEYS
 from halfphysics.sweep.plan.values import FORMS, Normal, Uniform
@@ -222,5 +222,5 @@ def test_the_explained_example_is_a_plan(tmp_path: Path) -> None:
     assert forms == {key for keys in FORMS.values() for key in keys}
     for word in (*_KEYS, *_BODY_KEYS, *OF_VARIANT, *OF_RESULT):
         assert f"`{word}`" in text
-    for option in ("fps", "up", "hands", "model", "gender", "frames", "clip", "assets", "objects"):
+    for option in file_options():
         assert f"`{option}`" in text

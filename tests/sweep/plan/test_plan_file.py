@@ -34,6 +34,7 @@ MISTAKES = [
     ("fps: 30", "fsp: 30", "line 4, inputs[0].fsp", "for files; did you mean fps"),
     ("fps: 30", "fps: 0", "line 4, inputs[0].fps", "expected a positive number"),
     ("fps: 30", "up: w", "line 4, inputs[0].up", "found 'w', expected y or z or -y"),
+    ("fps: 30", "floor: soles", "line 4, inputs[0].floor", "found 'soles', or lowest"),
     ("fps: 30", "adapt: maybe", "line 4, inputs[0].adapt", "expected true or false"),
     ("fps: 30", "objects: held", "line 4, inputs[0].objects", "expected free or replayed or none"),
     ("fps: 30", "clip: 3", "line 4, inputs[0].clip", "found 3, expected text"),

@@ -193,8 +193,8 @@ def _bones(record: Record, rows: Array, rotations: Array) -> Bones:
     if not (lengths.min() > 1e-4 and lengths.max() < 1.0):
         raise record.error(
             _FIELD,
-            f"{columns}: found bones from {lengths.min():.3g} to {lengths.max():.3g} m, expected a "
-            "person's",
+            f"{columns}: found bones from {lengths.min():.3g} to {lengths.max():.3g}, expected a "
+            "person's, in metres",
         )
     off = float(np.linalg.norm(places[:, 0] - rows[:, _ROOT], axis=1).max())
     if max(off, bones.spread) > _AGREE:

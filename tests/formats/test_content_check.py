@@ -268,6 +268,13 @@ def test_what_is_not_clear_is_told_with_the_way_out():
     assert np.array_equal(checked(short, up="y")[0].axes, axes_of("y"))
 
 
+def test_who_crawls_is_told_where_something_else_bears_them():
+    crawl = hp.scenarios.load("crawl_under_table").motion
+    _, told = checked(turned(hp.Motion(crawl.translation, crawl.rotations, crawl.fps), "-z"))
+    (line,) = told
+    assert "something bears the person along -z rather than along it" in line
+
+
 def test_scenarios_are_right_without_a_word():
     for name in ("crawl_under_table", "climb_onto_bed", "stretch_on_bed", "sit_on_sofa"):
         for motion in hp.scenarios.load(name).motions:

@@ -155,7 +155,7 @@ def _axis(
             f"read with {rule} up, and the person is along {other} most of the time: {how}, or is "
             f"another axis up? Then say up={other!r} (up={rule!r}: it is right)"
         ]
-    return None, []
+    return None, [] if short or said else _borne_elsewhere(looks, axes)
 
 
 def _stands_along(looks: Sequence[Glance]) -> tuple[Array | None, bool]:
@@ -200,7 +200,8 @@ def _across(direction: Array) -> list[Array]:
 
 def _borne_elsewhere(looks: Sequence[Glance], axes: Array) -> list[str]:
     """A line where people are seldom borne along the rule's axis, and often along another."""
-    often, other = max(((_borne(looks, up), up) for up in _across(_UP)), key=lambda pair: pair[0])
+    others = [*_across(_UP), -_UP]
+    often, other = max(((_borne(looks, up), up) for up in others), key=lambda pair: pair[0])
     if often < _OFTEN or often < _borne(looks, _UP) + _RATHER:
         return []
     rule, name = name_along(axes, _UP), name_along(axes, other)

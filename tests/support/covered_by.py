@@ -52,8 +52,23 @@ COVERED_BY = {
     "halfphysics/formats/datasets/assets.py": (
         "formats/datasets/test_grab.py formats/datasets/test_omomo.py"
     ),
+    "halfphysics/formats/datasets/frame_folders.py": (
+        "formats/datasets/test_prox.py formats/datasets/test_rich.py"
+    ),
+    "halfphysics/formats/datasets/median_shape.py": (
+        "formats/datasets/test_behave.py formats/datasets/test_prox.py"
+    ),
     "halfphysics/formats/datasets/recorded.py": (
         "formats/datasets/test_arctic.py formats/datasets/test_omomo.py"
+    ),
+    "halfphysics/formats/datasets/relaxed_fingers.py": (
+        "formats/datasets/test_interact.py formats/datasets/test_intercap.py"
+    ),
+    "halfphysics/formats/datasets/rigid_place.py": (
+        "formats/datasets/test_prox.py formats/datasets/test_rich.py"
+    ),
+    "halfphysics/formats/datasets/standing_axis.py": (
+        "formats/datasets/test_emdb.py formats/datasets/test_threedpw.py"
     ),
     "halfphysics/formats/datasets/shape_from_joints.py": "formats/datasets/test_intermimic.py",
     "halfphysics/formats/datasets/subject.py": "formats/datasets/test_grab.py",

@@ -131,7 +131,7 @@ def _axis(
     looks: Sequence[Glance], motions: Sequence[Motion], said: str | None, *, sure: bool
 ) -> tuple[str | None, list[str]]:
     """The axis with which the file is to be read again, if any (only if `sure`), and a line."""
-    axes = motions[0].axes
+    axes = _axes_of(motions[0])
     rule = name_along(axes, _UP)
     stands, straight = _stands_along(looks)
     short = max(look.duration for look in looks) < _SHORT
@@ -156,6 +156,14 @@ def _axis(
             f"another axis up? Then say up={other!r} (up={rule!r}: it is right)"
         ]
     return None, [] if short or said else _borne_elsewhere(looks, axes)
+
+
+def _axes_of(motion: Motion) -> Array:
+    """World from the axes in which the file's rule says what is up: of its frame, or of the data
+    set's world around it."""
+    fields = motion.origin.fields if motion.origin is not None else {}
+    world = fields.get("world")
+    return motion.axes if world is None else np.asarray(motion.axes @ world.T)
 
 
 def _stands_along(looks: Sequence[Glance]) -> tuple[Array | None, bool]:

@@ -22,6 +22,7 @@ from halfphysics.motion.motion import Motion
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
     from halfphysics.formats.people import Track
+    from halfphysics.scene.scene import Scene
     from halfphysics.simulation.sequence import Sequence
 
 _HEAD = 4096
@@ -167,6 +168,8 @@ class Format:
     #: `Options.frames` count from that person's first frame. None: one person, or `load_sequence`
     #: knows of the others.
     people: Callable[[Source], Listing[Track]] | None = None
+    #: What stands around these people; None: nothing is known of it.
+    scene: Callable[[Source, Options], Scene] | None = None
     #: Writes a motion in the axes of its file or of `up`; None: the format is read-only.
     save: Callable[[Motion, Path, Body | None], None] | None = None
     #: Suffixes of the files written, the preferred one first.

@@ -95,6 +95,7 @@ def motion_of(
     gender: str | None = None,
     betas: ArrayLike | None = None,
     hands: Literal["flat", "mean", "unsaid"] | None = "flat",
+    world: tuple[Array, Array] | None = None,
     fields: Mapping[str, Any] | None = None,
     per_frame: Mapping[str, NDArray[Any]] | None = None,
 ) -> Motion:
@@ -113,6 +114,8 @@ def motion_of(
         betas: (n,), (1, n) or equal rows (T, n); None or empty if the file has none.
         hands: Meaning of zero fingers; "unsaid": flat, with a warning; None: the file has no
             fingers.
+        world: Rotation (3, 3) and place (3,) [m] of the file's frame in the data set's world, in
+            which `up` is up; None: the file is in that world.
         fields, per_frame: Further data for the format's writer; see `FileMetadata`.
 
     Raises:
@@ -140,6 +143,7 @@ def motion_of(
         mean=mean,
         fields=fields or {},
         per_frame=per_frame or {},
+        world=world,
     )
 
 
@@ -158,12 +162,14 @@ def made(
     mean: Array | None,
     fields: Mapping[str, Any],
     per_frame: Mapping[str, NDArray[Any]],
+    world: tuple[Array, Array] | None = None,
     quick: bool = False,
 ) -> Motion:
     """The motion of checked fields in the file's axes, in metres and radians by their content.
 
     Args:
         mean: The relaxed hand (30, 3) that zero fingers mean; None: a flat hand.
+        world: As in `motion_of`.
         quick: It was looked at before, as what a result file holds.
 
     Raises:
@@ -177,7 +183,9 @@ def made(
         rotations = np.array(rotations)
         rotations[:, _HANDS] += mean
     axes = axes_of(up)
-    if up != "z":
+    if world is not None:
+        own["world"], axes = world[0], axes @ world[0]
+    if up != "z" or world is not None:
         translation, rotations = turned(translation, rotations, axes)
     unit = options.unit
     if unit == 1.0 and not doubtful:
@@ -185,6 +193,8 @@ def made(
     if unit != 1.0:
         translation = unit * translation
         own["unit"] = unit
+    if world is not None:
+        translation = translation + axes_of(up) @ world[1]
     metadata = FileMetadata(format=format, fields={**fields, **own}, per_frame=dict(per_frame))
     try:
         motion = Motion(

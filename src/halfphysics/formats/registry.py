@@ -26,10 +26,20 @@ from halfphysics.formats.datasets import (
     arctic,
     behave,
     core4d,
+    emdb,
     grab,
+    humanclaw,
+    interact,
+    intercap,
+    interhuman,
     intermimic,
+    interx,
     motionx,
     omomo,
+    parahome,
+    prox,
+    rich,
+    threedpw,
     trumans_clip,
     trumans_release,
 )
@@ -65,6 +75,9 @@ FORMATS: dict[str, Format] = {
         core4d.FORMAT,
         emage.FORMAT,  # before AMASS, too
         hymotion.FORMAT,  # before AMASS, too
+        interact.FORMAT,
+        interx.FORMAT,
+        humanclaw.FORMAT,
         amass_smplx.FORMAT,
         amass_smplh.FORMAT,
         amass_smpl.FORMAT,
@@ -73,6 +86,13 @@ FORMATS: dict[str, Format] = {
         motionx.FORMAT,
         arctic.FORMAT,
         smpl_codec.FORMAT,
+        intercap.FORMAT,  # before plain dicts of the smplx package, whose names these have, too
+        parahome.FORMAT,
+        interhuman.FORMAT,
+        emdb.FORMAT,
+        threedpw.FORMAT,
+        prox.FORMAT,
+        rich.FORMAT,
         trumans_clip.FORMAT,
         trumans_release.FORMAT,
         omomo.FORMAT,
@@ -213,7 +233,8 @@ def _sequence(source: Source, format: Format, options: Options) -> Sequence:
     from halfphysics.simulation.sequence import Sequence
 
     if format.people is not None:
-        return Sequence(_people(source, format.people(source), format, options), Scene())
+        people = _people(source, format.people(source), format, options)
+        return Sequence(people, format.scene(source, options) if format.scene else Scene())
     if format.load_sequence is None:
         return Sequence(format.load(source, options), Scene())
     return format.load_sequence(source, options)

@@ -30,14 +30,13 @@ from numpy.typing import NDArray
 from halfphysics.base import rotations as rot
 from halfphysics.base.npz_objects import NpzObjects
 from halfphysics.base.reader_warnings import warn
-from halfphysics.body.body import Body
 from halfphysics.body.model_files import mesh_vertices
 from halfphysics.errors import FileError
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.datasets.assets import find, note
+from halfphysics.formats.datasets.median_shape import median_shape
 from halfphysics.formats.datasets.recorded import add_recorded, of_file
-from halfphysics.formats.datasets.size_from_motion import body_by_motion
-from halfphysics.formats.datasets.subject import named_model
+from halfphysics.formats.datasets.subject import body_of_betas
 from halfphysics.formats.format import Format, Options, Source
 from halfphysics.formats.motion_builder import motion_of, rotations_of, same_length
 from halfphysics.motion import skeleton
@@ -57,8 +56,6 @@ _WIDTH = 156
 _FACES = ("f1000", "f2500", "f2000", "f1500", "closed_f1000")
 #: Frames farther apart than this many periods are a gap.
 _GAP = 1.5
-#: Betas of one person differ by less than this over the frames.
-_SAME_SHAPE = 1e-3
 
 _UNSAID = "nothing says how tall the person is in metres"
 
@@ -118,7 +115,7 @@ def _load(source: Source, options: Options) -> Motion:
         up=_up(record.where, rotations, options),
         model="smplh",
         gender=str(gender) if gender is not None else None,
-        betas=_betas(record, len(times)),
+        betas=median_shape(record, len(times)),
     )
 
 
@@ -161,28 +158,12 @@ def _warn_of_gaps(where: str, times: Array) -> None:
         )
 
 
-def _betas(record: Record, frames: int) -> Array | None:
-    """One shape (n,): the median, where it varies over the frames of the file."""
-    if "betas" not in record:
-        return None
-    betas = record.array("betas", *[None] * np.ndim(record.raw("betas")))
-    if betas.ndim != 2 or len(betas) != frames:
-        return betas  # checked with the motion
-    middle = np.median(betas, axis=0)
-    off = float(np.abs(betas - middle).max())
-    if off > _SAME_SHAPE:
-        warn(
-            f"{record.where}: field 'betas': the shape changes over the frames by up to {off:.2g}; "
-            "the median is taken"
-        )
-    return np.asarray(middle)
-
-
 def _load_sequence(source: Source, options: Options) -> Sequence:
     motion = _load(source, options)
     scene = Scene()
     tracks = _add_object(source, options, motion, scene)
-    return Sequence(motion, scene, _body(source, options, motion, tracks), recorded=tracks)
+    body = body_of_betas(options, motion, tracks, f"{source.path}: {_UNSAID}")
+    return Sequence(motion, scene, body, recorded=tracks)
 
 
 def _add_object(
@@ -238,22 +219,6 @@ def _object_name(source: Source) -> str:
             "expected DATE_SUBJECT_OBJECT, found neither"
         )
     return words[2]
-
-
-def _body(
-    source: Source, options: Options, motion: Motion, tracks: dict[str, ObjectTrack]
-) -> Body | None:
-    """The body by the user's model, or the free body with the size that the motion tells."""
-    model = named_model(options)
-    if model is None:
-        return body_by_motion(f"{source.path}: {_UNSAID}", motion, tracks)
-    folder = model.is_dir()
-    return Body.load(
-        model,
-        motion.betas,
-        gender=motion.gender if folder else None,
-        model="smplh" if folder else None,
-    )
 
 
 FORMAT = Format(

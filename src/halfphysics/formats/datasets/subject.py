@@ -81,6 +81,29 @@ def subject_body(
     return Body.load(named, gender=gender, model="smplx", v_template=mesh)
 
 
+def body_of_betas(
+    options: Options, motion: Motion, tracks: Mapping[str, ObjectTrack], why: str
+) -> Body | None:
+    """The person's body by the user's model, or the free body with the size that the motion tells.
+
+    Args:
+        options: The caller's; `model` names the model file, or a folder of them.
+        motion: The person's motion, with the betas.
+        tracks: Recorded poses of the objects.
+        why: Begins the message where no model is named: which file does not say the size.
+    """
+    named = named_model(options)
+    if named is None:
+        return body_by_motion(why, motion, tracks)
+    folder = named.is_dir()
+    return Body.load(
+        named,
+        motion.betas,
+        gender=motion.gender if folder else None,
+        model=motion.model if folder else None,
+    )
+
+
 def _sized(mesh: Path, why: str) -> Body | None:
     """The free body with the size of a template; None, with a warning: it is no person."""
     try:

@@ -1,0 +1,84 @@
+"""InterHuman (InterGen): two people in one pickle; SMPL-H without fingers, z-up, 59.94 fps.
+
+`motions/ID.pkl` is a dict of `mocap_framerate`, `frames`, and `person1`, `person2`, each a dict of
+`trans, root_orient (T, 3)`, `pose_body (T, 63)`, `betas (1, 10)`, `gender`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from halfphysics.formats.checked_fields import Record
+from halfphysics.formats.datasets.median_shape import median_shape
+from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.motion_builder import motion_of, rotations_of, same_length
+from halfphysics.formats.people import Track
+from halfphysics.motion import skeleton
+from halfphysics.motion.motion import Motion
+
+NAME = "interhuman"
+#: Of the data set, where a file has no `mocap_framerate`.
+FPS = 59.94
+PEOPLE = ("person1", "person2")
+_KEYS = ("trans", "root_orient", "pose_body")
+
+
+def _sniff(source: Source) -> bool:
+    data = source.data
+    return isinstance(data, dict) and any(
+        isinstance(data.get(name), dict) and len(data[name].keys() & set(_KEYS)) > 1
+        for name in PEOPLE
+    )
+
+
+def _person(source: Source, name: str) -> Record:
+    fields = Record(source.path, source.data).raw(name, "(a dict of arrays)")
+    if not isinstance(fields, dict):
+        raise Record(source.path, source.data).error(
+            name, f"found {type(fields).__name__}, expected a dict of arrays"
+        )
+    return Record(f"{source.path}, clip {name!r}", fields)
+
+
+def _people(source: Source) -> list[Track]:
+    return [
+        Track(name, 0, len(_person(source, name).numbers("trans", None, 3)))
+        for name in PEOPLE
+        if name in source.data
+    ]
+
+
+def _load(source: Source, options: Options) -> Motion:
+    record = _person(source, options.clip)
+    whole = Record(source.path, source.data)
+    translation = record.array("trans", None, 3, frames=options.frames)
+    root = record.array("root_orient", None, 3, frames=options.frames)
+    shape = (None, 21, 3) if np.ndim(record.raw("pose_body", "(T, 63)")) == 3 else (None, 63)
+    body = record.array("pose_body", *shape, frames=options.frames)
+    frames = same_length(record.where, {key: len(record.raw(key)) for key in _KEYS})
+    said = "mocap_framerate" in whole
+    return motion_of(
+        record.where,
+        options,
+        format=NAME,
+        translation=translation,
+        rotations=rotations_of({(0,): root, skeleton.BODY_JOINTS: body}),
+        fps=whole.number("mocap_framerate", above=0.0) if said else FPS,
+        up="z",
+        model="smplh",
+        gender=record.text("gender") if "gender" in record else None,
+        betas=median_shape(record, frames),
+        hands=None,
+    )
+
+
+FORMAT = Format(
+    name=NAME,
+    about="InterHuman (InterGen): two people",
+    invents="fingers",
+    expects=f"pkl with {' and '.join(PEOPLE)}: dicts of trans (T, 3), root_orient (T, 3), "
+    "pose_body (T, 63), and mocap_framerate",
+    sniff=_sniff,
+    load=_load,
+    people=_people,
+)

@@ -47,7 +47,7 @@ COVERED_BY = {
     "halfphysics/cli/view.py": "viewer/test_view.py",
     "halfphysics/formats/*.py": "formats/test_round_trips.py formats/amass/test_fields.py",
     "halfphysics/formats/amass/*.py": "formats/amass/test_amass.py",
-    "halfphysics/formats/bvh/*.py": "formats/bvh/test_bvh.py formats/bvh/test_retarget.py",
+    "halfphysics/formats/bvh/*.py": "formats/bvh/test_bvh.py formats/skeletons/test_retarget.py",
     "halfphysics/formats/datasets/arctic_object.py": "formats/datasets/test_arctic.py",
     "halfphysics/formats/datasets/assets.py": (
         "formats/datasets/test_grab.py formats/datasets/test_omomo.py"
@@ -73,6 +73,9 @@ COVERED_BY = {
     "halfphysics/formats/datasets/shape_from_joints.py": "formats/datasets/test_intermimic.py",
     "halfphysics/formats/datasets/subject.py": "formats/datasets/test_grab.py",
     "halfphysics/formats/datasets/trumans_*.py": "formats/datasets/test_trumans.py",
+    "halfphysics/formats/skeletons/*.py": (
+        "formats/skeletons/test_retarget.py formats/bvh/test_bvh.py"
+    ),
     "halfphysics/formats/results/*.py": "formats/results/test_result_file.py",
     "halfphysics/geometry/colliders.py": "native/geometry/test_convex.py",
     "halfphysics/geometry/contact_pieces.py": "simulation/test_hollow_objects.py",

@@ -85,7 +85,7 @@ class Command:
         said = self.person.given
         if not said and result is not None:
             return result.people[0].body
-        from halfphysics.formats.bvh.bvh import DEFAULT_BODY
+        from halfphysics.formats.skeletons.skeleton_motion import DEFAULT_BODY
 
         metadata = motion.origin
         retargeted = metadata is not None and bool(metadata.fields.get(DEFAULT_BODY))

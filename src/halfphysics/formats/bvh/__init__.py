@@ -1,1 +1,1 @@
-"""BVH: skeletons, rest poses and retargeting to SMPL-X."""
+"""BVH: text of hierarchies with a row of numbers per frame."""

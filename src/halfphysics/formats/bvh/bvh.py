@@ -16,15 +16,13 @@ from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
 from halfphysics.base.euler import smoothest
-from halfphysics.base.reader_warnings import warn
 from halfphysics.errors import FileError, InputError
+from halfphysics.formats.bvh.channels import animated
 from halfphysics.formats.bvh.hierarchy import KEYWORD
-from halfphysics.formats.bvh.retarget import names_of, retarget
-from halfphysics.formats.bvh.skeleton_maps import names_of_smplx
-from halfphysics.formats.bvh.source_skeleton import SourceSkeleton
 from halfphysics.formats.bvh.text import Bvh, read_bvh, write_bvh
 from halfphysics.formats.format import Format, Options, Source
-from halfphysics.formats.motion_builder import motion_of
+from halfphysics.formats.skeletons.skeleton_maps import names_of_smplx
+from halfphysics.formats.skeletons.skeleton_motion import retargeted, smplx_motion
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
 
@@ -37,14 +35,10 @@ NAME = "bvh"
 #: Units per metre in the files written: centimetres.
 UNITS = 100.0
 ROOT = "root"
-#: Key in `FileMetadata.fields`: the motion was retargeted to the default body.
-DEFAULT_BODY = "default_body"
 _PLACES = ("Xposition", "Yposition", "Zposition")
 _TURNS = ("Xrotation", "Yrotation", "Zrotation")
 # Its gimbal lock, a right angle about the middle axis z, is out of reach of knees and elbows.
 _ORDER = (1, 2, 0)
-# Legs longer than this [unit of the file] are not in metres.
-_METRES = 4.0
 
 
 def _sniff(source: Source) -> bool:
@@ -62,72 +56,16 @@ def _load(source: Source, options: Options) -> Motion:
         )
     if names_of_smplx(bvh.names):
         return _ours(where, bvh, options)
-    from halfphysics.body.body import Body
-
-    body = Body.default()
-    found = retarget(where, bvh, body.rest_joints, options.frames)
-    up = options.up or found.up
-    lines = [
-        f"{where}: put on the default body by joint names; unit {found.unit} (a leg is "
-        f"{found.scale:.4g} m per unit), {up} up"
-    ]
-    if missing := names_of(found.matched):
-        lines.append(f"at rest, without a match in the file: {missing}")
-    if found.unmatched:
-        lines.append(f"not used of the file: {', '.join(found.unmatched)}")
-    warn("; ".join(lines))
-    hands = any(joint in found.matched for joint in skeleton.LEFT_HAND_JOINTS)
-    hands |= any(joint in found.matched for joint in skeleton.RIGHT_HAND_JOINTS)
-    return motion_of(
-        where,
-        options,
-        format=NAME,
-        translation=found.pelvis - body.rest_joints[0],
-        rotations=found.rotations,
-        fps=bvh.fps,
-        up="z" if up == "z" else "y",
-        model="smplx",
-        gender="neutral",
-        hands="flat" if hands else None,
-        fields={DEFAULT_BODY: True},
-    )
+    return retargeted(where, options, animated(bvh, options.frames), bvh.fps, NAME)[0]
 
 
 def _ours(where: str, bvh: Bvh, options: Options) -> Motion:
     """The motion of a skeleton with the joints and the rest pose of SMPL-X."""
-    source = SourceSkeleton.of(where, bvh)
-    positions, quaternions = source.frames(options.frames)
-    index = [bvh.names.index(name) for name in skeleton.JOINT_NAMES]
-    for joint, parent in enumerate(skeleton.PARENTS):
-        if parent >= 0 and bvh.parents[index[joint]] != index[parent]:
-            raise FileError(
-                f"{where}: joint {skeleton.JOINT_NAMES[joint]!r} hangs on "
-                f"{bvh.names[bvh.parents[index[joint]]]!r}, expected "
-                f"{skeleton.JOINT_NAMES[parent]!r}, as in SMPL-X"
-            )
-    scale = 1.0 / UNITS if source.leg > _METRES else 1.0
-    world = quaternions[:, index]
-    local = world.copy()
-    parents = skeleton.PARENTS[1:]
-    local[:, 1:] = rot.multiply(rot.conjugate(world[:, parents]), world[:, 1:])
-    if bvh.parents[index[0]] >= 0:
-        # The pelvis is below a root: its offset is its rest position, J0.
-        at_rest = scale * bvh.offsets[index[0]]
-    else:
-        from halfphysics.body.body import Body
-
-        at_rest = Body.default().rest_joints[0]
-    return motion_of(
-        where,
-        options,
-        format=NAME,
-        translation=scale * positions[:, index[0]] - at_rest,
-        rotations=rot.log(local),
-        fps=bvh.fps,
-        up="y",
-        model="smplx",
-        gender="neutral",
-    )
+    pelvis = bvh.names.index(skeleton.JOINT_NAMES[0])
+    # Below a root, the pelvis's offset is its rest position, J0.
+    at_rest = bvh.offsets[pelvis] if bvh.parents[pelvis] >= 0 else None
+    joints = animated(bvh, options.frames)
+    return smplx_motion(where, options, joints, bvh.fps, NAME, pelvis=at_rest)
 
 
 def _save(motion: Motion, path: Path, body: Body | None) -> None:

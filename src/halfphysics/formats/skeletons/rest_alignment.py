@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
-from halfphysics.formats.bvh.source_skeleton import SAME_PLACE, SourceSkeleton
+from halfphysics.formats.skeletons.source_skeleton import SAME_PLACE, SourceSkeleton
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES, PARENTS
 
 Array = NDArray[np.float64]
@@ -118,10 +118,10 @@ class RestAlignment:
             # In the rest pose all joints between are rigid; joints in one place have no direction.
             way = source.rest[source.joints[then]] - source.rest[own]
             return _unit(way, least)
-        if own in source.bvh.ends:
-            return _unit(source.bvh.ends[own], least)
-        children = [c for c, parent in enumerate(source.bvh.parents) if parent == own]
-        offsets = [source.offsets[c] for c in children]
+        if own in source.skeleton.ends:
+            return _unit(source.skeleton.ends[own], least)
+        children = [c for c, parent in enumerate(source.skeleton.parents) if parent == own]
+        offsets = [source.skeleton.offsets[c] for c in children]
         return _unit(max(offsets, key=np.linalg.norm), least) if offsets else None
 
     def _branch(self, base: int, to: int) -> Array | None:
@@ -129,13 +129,13 @@ class RestAlignment:
         source, path, joint = self._source, [], to
         while joint != base:
             path.append(joint)
-            joint = source.bvh.parents[joint]
+            joint = source.skeleton.parents[joint]
             if joint < 0:
                 return None
         for joint in reversed(path):
-            way = _unit(source.offsets[joint], SAME_PLACE * source.leg)
+            way = _unit(source.skeleton.offsets[joint], SAME_PLACE * source.leg)
             if way is not None:
-                return np.array(source.offsets[joint])
+                return np.array(source.skeleton.offsets[joint])
         return None
 
     # -- a zero pose that is a posture -------------------------------------------------------

@@ -12,8 +12,9 @@ from scipy.spatial.transform import Rotation
 import halfphysics as hp
 from halfphysics.base import rotations as rot
 from halfphysics.errors import HalfPhysicsWarning
-from halfphysics.formats.bvh.source_skeleton import SourceSkeleton
+from halfphysics.formats.bvh.channels import animated
 from halfphysics.formats.bvh.text import read_bvh
+from halfphysics.formats.skeletons.source_skeleton import SourceSkeleton
 from halfphysics.motion.skeleton import FACE_JOINTS, JOINT_INDEX, JOINT_NAMES, PARENTS
 from support.files.bvh_files import MIXAMO, pointing, retold, text_of
 from support.files.layouts import movement
@@ -36,6 +37,10 @@ def read(path, **options) -> hp.Motion:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", HalfPhysicsWarning)
         return hp.Motion.load(path, **options)
+
+
+def source_of(path) -> SourceSkeleton:
+    return SourceSkeleton.of("", animated(read_bvh(path), slice(None)))
 
 
 def loaded(tmp_path, text: str, **options) -> hp.Motion:
@@ -245,8 +250,8 @@ EXACT = 1e-5  # degrees
 @pytest.mark.parametrize("clip", CLIPS)
 def test_bones_of_real_clips_point_as_in_the_source(shared_data, clip):
     path = shared_data / "motion" / f"animdraw_{clip}.bvh"
-    motion, source = read(path), SourceSkeleton.of("", read_bvh(path))
-    places = source.frames(slice(None))[0] @ motion.axes.T
+    motion, source = read(path), source_of(path)
+    places = source.skeleton.positions @ motion.axes.T
     ours, seen = BODY.joints(motion), 0
     for side in ("left", "right"):
         for name, then in BONES:
@@ -287,8 +292,8 @@ def test_real_clips_are_upright_on_the_floor_and_slow_enough(shared_data, clip):
 def test_fingers_of_the_dance_are_curled_as_in_the_source(shared_data):
     """18 degrees at each joint, all the time: the clip has no movement in its hands."""
     path = shared_data / "motion" / "animdraw_jesse_dance.bvh"
-    motion, source = read(path), SourceSkeleton.of("", read_bvh(path))
-    quaternions = source.frames(slice(None))[1]
+    motion, source = read(path), source_of(path)
+    quaternions = source.skeleton.quaternions
     for side in ("left", "right"):
         for finger in FINGERS:
             bones = [source.joints[JOINT_INDEX[f"{side}_{finger}{k}"]] for k in (1, 2)]

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
-from halfphysics.formats.bvh.rest_alignment import RestAlignment
-from halfphysics.formats.bvh.source_skeleton import SourceSkeleton
-from halfphysics.formats.bvh.text import Bvh
+from halfphysics.formats.skeletons.animated_skeleton import AnimatedSkeleton
+from halfphysics.formats.skeletons.rest_alignment import RestAlignment
+from halfphysics.formats.skeletons.source_skeleton import SourceSkeleton
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES, N_JOINTS, PARENTS
 
 Array = NDArray[np.float64]
@@ -45,8 +45,8 @@ class Retargeted:
     unit: str
 
 
-def retarget(where: str, bvh: Bvh, rest: Array, rows: slice) -> Retargeted:
-    """Retarget the frames `rows` of a file to a body with joints `rest` (55, 3) [m].
+def retarget(where: str, skeleton: AnimatedSkeleton, rest: Array) -> Retargeted:
+    """Retarget a skeleton in motion to a body with joints `rest` (55, 3) [m].
 
     The midpoint of the hips follows the source's, scaled by the ratio of leg lengths, so that the
     feet reach the floor as the source's do. Joints without a match stay at rest.
@@ -54,8 +54,8 @@ def retarget(where: str, bvh: Bvh, rest: Array, rows: slice) -> Retargeted:
     Raises:
         FileError: The skeleton is not a person's.
     """
-    source = SourceSkeleton.of(where, bvh)
-    positions, quaternions = source.frames(rows)
+    source = SourceSkeleton.of(where, skeleton)
+    positions, quaternions = skeleton.positions, skeleton.quaternions
     alignment = RestAlignment(source, rest, quaternions)
     world = np.empty((len(positions), N_JOINTS, 4))
     world[:, 0] = rot.multiply(quaternions[:, source.joints[0]], alignment.turn(0))
@@ -82,7 +82,7 @@ def retarget(where: str, bvh: Bvh, rest: Array, rows: slice) -> Retargeted:
         matched=tuple(sorted(matched)),
         unmatched=tuple(
             name
-            for joint, name in enumerate(bvh.names)
+            for joint, name in enumerate(skeleton.names)
             if joint not in source.joints.values() and joint not in source.spine
         ),
         unit=next(

@@ -9,7 +9,7 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.errors import HalfPhysicsWarning
-from halfphysics.formats.bvh.skeleton_maps import match_joints
+from halfphysics.formats.skeletons.skeleton_maps import match_joints
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
 from support.files.bvh_files import MIXAMO, retold
 from support.files.layouts import movement

@@ -1,0 +1,1 @@
+"""Skeletons of other programs: names, rest poses and retargeting to SMPL-X."""

@@ -1,0 +1,123 @@
+"""From a skeleton in motion to a `Motion`: retargeted by names, or unchanged if it is SMPL-X's."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.base import rotations as rot
+from halfphysics.base.reader_warnings import warn
+from halfphysics.errors import FileError
+from halfphysics.formats.format import Options
+from halfphysics.formats.motion_builder import motion_of
+from halfphysics.formats.skeletons.animated_skeleton import AnimatedSkeleton
+from halfphysics.formats.skeletons.retarget import Retargeted, names_of, retarget
+from halfphysics.formats.skeletons.source_skeleton import SourceSkeleton
+from halfphysics.motion import skeleton
+from halfphysics.motion.motion import Motion
+
+Array = NDArray[np.float64]
+
+#: Key in `FileMetadata.fields`: the motion was retargeted to the default body.
+DEFAULT_BODY = "default_body"
+# Legs longer than this [unit of the file] are not in metres.
+_METRES = 4.0
+#: Metres per unit of a skeleton that is not in metres.
+_CENTIMETRE = 0.01
+
+
+def retargeted(
+    where: str, options: Options, animated: AnimatedSkeleton, fps: float, format: str
+) -> tuple[Motion, Retargeted]:
+    """The motion of any human skeleton on the default body, and how it was put there.
+
+    Warns:
+        HalfPhysicsWarning: What was matched and what not, the unit and the up axis, in one line.
+
+    Raises:
+        FileError: The skeleton is not a person's.
+    """
+    from halfphysics.body.body import Body
+
+    body = Body.default()
+    found = retarget(where, animated, body.rest_joints)
+    up = options.up or found.up
+    lines = [
+        f"{where}: put on the default body by joint names; unit {found.unit} (a leg is "
+        f"{found.scale:.4g} m per unit), {up} up"
+    ]
+    if missing := names_of(found.matched):
+        lines.append(f"at rest, without a match in the file: {missing}")
+    if found.unmatched:
+        lines.append(f"not used of the file: {', '.join(found.unmatched)}")
+    warn("; ".join(lines))
+    hands = any(joint in found.matched for joint in skeleton.LEFT_HAND_JOINTS)
+    hands |= any(joint in found.matched for joint in skeleton.RIGHT_HAND_JOINTS)
+    motion = motion_of(
+        where,
+        options,
+        format=format,
+        translation=found.pelvis - body.rest_joints[0],
+        rotations=found.rotations,
+        fps=fps,
+        up="z" if up == "z" else "y",
+        model="smplx",
+        gender="neutral",
+        hands="flat" if hands else None,
+        fields={DEFAULT_BODY: True},
+    )
+    return motion, found
+
+
+def smplx_motion(
+    where: str,
+    options: Options,
+    animated: AnimatedSkeleton,
+    fps: float,
+    format: str,
+    *,
+    pelvis: Array | None,
+) -> Motion:
+    """The motion of a skeleton with the joints and the rest pose of SMPL-X, y up.
+
+    Args:
+        where: Name of the file in messages.
+        options: The caller's.
+        animated: With the 55 names of SMPL-X.
+        fps: Frames per second.
+        format: Name of the format.
+        pelvis: The pelvis at rest (3,) [unit of the file]; None: that of the default body.
+
+    Raises:
+        FileError: A joint hangs on another than in SMPL-X.
+    """
+    source = SourceSkeleton.of(where, animated)
+    index = [animated.names.index(name) for name in skeleton.JOINT_NAMES]
+    for joint, parent in enumerate(skeleton.PARENTS):
+        if parent >= 0 and animated.parents[index[joint]] != index[parent]:
+            raise FileError(
+                f"{where}: joint {skeleton.JOINT_NAMES[joint]!r} hangs on "
+                f"{animated.names[animated.parents[index[joint]]]!r}, expected "
+                f"{skeleton.JOINT_NAMES[parent]!r}, as in SMPL-X"
+            )
+    scale = _CENTIMETRE if source.leg > _METRES else 1.0
+    local = animated.quaternions[:, index]
+    parents = skeleton.PARENTS[1:]
+    local[:, 1:] = rot.multiply(rot.conjugate(local[:, parents]), local[:, 1:])
+    if pelvis is None:
+        from halfphysics.body.body import Body
+
+        at_rest = Body.default().rest_joints[0]
+    else:
+        at_rest = scale * pelvis
+    return motion_of(
+        where,
+        options,
+        format=format,
+        translation=scale * animated.positions[:, index[0]] - at_rest,
+        rotations=rot.log(local),
+        fps=fps,
+        up="y",
+        model="smplx",
+        gender="neutral",
+    )

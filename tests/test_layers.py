@@ -71,6 +71,7 @@ SUBFOLDERS = {
         "skeletons": "",
         "bvh": "skeletons",
         "datasets": "",
+        "gltf": "skeletons datasets",
         "results": "amass",
     },
     "render": {"film": ""},

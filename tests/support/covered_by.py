@@ -73,6 +73,7 @@ COVERED_BY = {
     "halfphysics/formats/datasets/shape_from_joints.py": "formats/datasets/test_intermimic.py",
     "halfphysics/formats/datasets/subject.py": "formats/datasets/test_grab.py",
     "halfphysics/formats/datasets/trumans_*.py": "formats/datasets/test_trumans.py",
+    "halfphysics/formats/gltf/*.py": "formats/gltf/test_gltf.py formats/gltf/test_container.py",
     "halfphysics/formats/skeletons/*.py": (
         "formats/skeletons/test_retarget.py formats/bvh/test_bvh.py"
     ),

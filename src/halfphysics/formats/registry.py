@@ -46,6 +46,7 @@ from halfphysics.formats.datasets import (
 from halfphysics.formats.datasets.ground import add_ground, needs_ground
 from halfphysics.formats.floor import motion_on_floor, on_floor
 from halfphysics.formats.format import Assets, Format, Options, Source
+from halfphysics.formats.gltf import gltf
 from halfphysics.formats.people import Track, chosen, together
 from halfphysics.motion.motion import GENDERS, MODELS, Motion
 
@@ -99,9 +100,12 @@ FORMATS: dict[str, Format] = {
         intermimic.FORMAT,
         blender.FORMAT,
         bvh.FORMAT,
+        gltf.FORMAT,
     )
 }
 
+#: What binary files of FBX begin with.
+_FBX = b"Kaydara FBX Binary"
 #: Model -> format in which a motion without a file is written.
 _BY_MODEL = {
     "smplx": amass_smplx.FORMAT.name,
@@ -462,6 +466,12 @@ def unknown(source: Source) -> FileError:
     if npz is not None and {"v_template", "J_regressor"} & set(npz):
         return FileError(
             f"{source.path}: this is a body model, expected a motion. Load it with Body.load"
+        )
+    if source.head.startswith(_FBX) or source.path.suffix.lower() == ".fbx":
+        return FileError(
+            f"{source.path}: this is an FBX file, whose layout is not published, expected an open "
+            "one. Convert it, for example in Blender: File > Import > FBX, then File > Export > "
+            "glTF 2.0 with its animation"
         )
     known = "; ".join(
         f"{format.name}: {format.expects}" for format in FORMATS.values() if format.sniff

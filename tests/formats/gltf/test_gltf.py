@@ -1,0 +1,373 @@
+"""glTF: our own files come back, rigs of other programs are put on the body, with what is there."""
+
+from __future__ import annotations
+
+import json
+import warnings
+
+import numpy as np
+import pytest
+
+import halfphysics as hp
+from halfphysics.base import rotations as rot
+from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning
+from halfphysics.motion.skeleton import FACE_JOINTS, JOINT_INDEX, JOINT_NAMES
+from halfphysics.results.result import ObjectTrack
+from support.files.bvh_files import MIXAMO
+from support.files.gltf_rigs import Builder, add_person, person
+from support.files.layouts import movement, quiet
+
+BODY = hp.Body.default()
+SINGLE = 1e-5  # metres: keys are in single precision
+# Bones that a rest pose turns the shortest way: the default body's are to a few micrometres.
+NEAR = 3e-5
+
+
+def motion_of(frames: int = 16, seed: int = 0, fps: float = 30.0) -> hp.Motion:
+    translation, rotations = movement(frames, seed=seed)
+    rotations[:, list(FACE_JOINTS)] = 0.0
+    return hp.Motion(translation, rotations, fps)
+
+
+def read(path, **options) -> hp.Motion:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", HalfPhysicsWarning)
+        return hp.Motion.load(path, **options)
+
+
+def off(one: hp.Motion, other: hp.Motion) -> float:
+    assert (len(one), one.fps) == (len(other), other.fps)
+    return float(np.abs(BODY.vertices(one) - BODY.vertices(other)).max())
+
+
+# -- our own ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".gltf"])
+@pytest.mark.parametrize("fps", [30.0, 59.94, 120.0])
+def test_what_is_exported_comes_back(tmp_path, suffix, fps):
+    motion = hp.Motion(*movement(20), fps)
+    hp.export(motion, tmp_path / f"x{suffix}")
+    assert off(read(tmp_path / f"x{suffix}"), motion) < SINGLE
+    assert off(read(tmp_path / f"x{suffix}", frames=(3, 9)), motion[3:9]) < SINGLE
+
+
+@pytest.mark.filterwarnings("ignore::halfphysics.errors.HalfPhysicsWarning")
+def test_a_sequence_comes_back_with_its_people_objects_and_room(tmp_path):
+    people = tuple(hp.Motion(*movement(20, seed=seed), 30.0) for seed in (1, 2))
+    bones = np.full((55, 3), np.nan)
+    bones[1:22] = 1.1 * (
+        BODY.rest_joints[1:22] - BODY.rest_joints[hp.motion.skeleton.PARENTS[1:22]]
+    )
+    tall = hp.Body.default(bones=bones)
+    scene = hp.Scene()
+    scene.add_static("ground", hp.Plane(offset=0.1))
+    scene.add_static("shelf", hp.Box((0.4, 0.3, 0.2)), position=(1.0, 2.0, 0.5))
+    t = np.linspace(0.0, 1.0, 20)[:, None]
+    path, turns = [0.5, 0.2, 1.0] + 0.3 * t, rot.exp(t * np.array([0.4, 0.5, 0.6]))
+    scene.add_moving("box", hp.Box((0.1, 0.2, 0.3)), path, turns, fps=30.0)
+    recorded = {"box": ObjectTrack(position=path, quaternion=turns)}
+    hp.export(hp.Sequence(people, scene, (tall, BODY), recorded=recorded), tmp_path / "a.glb")
+    back = quiet(tmp_path / "a.glb", objects="replayed")
+    for motion, asked, body, own in zip(
+        back.motions, people, back.bodies, (tall, BODY), strict=True
+    ):
+        assert np.abs(body.joints(motion) - own.joints(asked)).max() < SINGLE
+    assert isinstance(back.scene.statics["ground"].shape, hp.Plane)
+    assert abs(back.scene.statics["ground"].shape.offset - 0.1) < SINGLE
+    shelf = back.scene.statics["shelf"]
+    corners = rot.rotate(shelf.quaternion, shelf.shape.vertices) + shelf.position
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    box = scene.statics["shelf"].shape.triangles()[0] + np.array([1.0, 2.0, 0.5])
+    assert np.abs(low - box.min(axis=0)).max() < SINGLE
+    assert np.abs(high - box.max(axis=0)).max() < SINGLE
+    track = back.recorded["box"]
+    assert np.abs(track.position - path).max() < SINGLE
+    assert rot.log(rot.multiply(rot.conjugate(track.quaternion), turns)).max() < SINGLE
+    assert list(quiet(tmp_path / "a.glb", ground=False, adapt=False).scene.objects) == ["box"]
+    with pytest.warns(HalfPhysicsWarning, match=r"of 2 people \('person0', 'person1'\) the first"):
+        assert off(hp.Motion.load(tmp_path / "a.glb"), people[0]) > 0.01  # on another body
+    assert [clip.name for clip in hp.clips(tmp_path / "a.glb")] == ["take"]
+
+
+# -- rigs of other programs ------------------------------------------------------------------------
+
+
+def a_pose(degrees: float) -> np.ndarray:
+    """SMPL-X from file joints where arms and hands hang at the bind pose."""
+    own = np.tile([1.0, 0.0, 0.0, 0.0], (55, 1))
+    parts = ("shoulder", "elbow", "wrist", "index", "middle", "pinky", "ring", "thumb")
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        for joint, name in enumerate(JOINT_NAMES):
+            if name.startswith(side) and any(part in name for part in parts):
+                own[joint] = rot.exp([0.0, 0.0, sign * np.radians(degrees)])
+    return own
+
+
+RIGS = {
+    "frames parallel at the bind pose": {},
+    "any frames": {"seed": 3},
+    "centimetres below a scaled armature": {"seed": 3, "unit": 100.0},
+    "Blender's: turned, in centimetres": {"unit": 100.0, "tilt": (np.pi / 2, 0.0, 0.0), "seed": 4},
+    "a tilted armature": {"tilt": (np.pi / 2, 0.0, 0.0)},
+    "an A pose": {"seed": 5, "own": a_pose(50.0)},
+    "a prefix": {"seed": 6, "prefix": "mixamorig:"},
+    "steps": {"seed": 7, "kind": "STEP"},
+    "cubic": {"seed": 7, "kind": "CUBICSPLINE"},
+    "no skin": {"seed": 8, "skinned": False},
+    "a late start": {"seed": 9, "start": 1.0 / 24.0},
+}
+
+
+@pytest.mark.parametrize("rig", RIGS)
+def test_rigs(tmp_path, rig):
+    motion = motion_of(fps=24.0 if "late" in rig else 30.0)
+    path = person(motion, BODY, **RIGS[rig]).glb(tmp_path / "a.glb")
+    assert off(read(path), motion) < NEAR
+
+
+def test_what_is_done_is_told_once_and_up_can_be_said(tmp_path):
+    names = {j: n for j, n in MIXAMO.items() if "Hand" not in n} | {JOINT_INDEX["jaw"]: "Hat"}
+    path = person(motion_of(), BODY, names=names, unit=50.0).glb(tmp_path / "a.glb")
+    with pytest.warns(HalfPhysicsWarning) as caught:
+        hp.Motion.load(path)
+    assert len(caught) == 1
+    said = str(caught[0].message)
+    assert "put on the default body by joint names; unit m" in said
+    assert "y up" in said
+    assert "left_wrist, right_wrist, all fingers" in said
+    assert said.endswith("not used of the file: Hat")
+
+
+def test_rigs_in_centimetres_without_a_scale_are_found_by_their_legs(tmp_path):
+    motion = motion_of()
+    builder = person(motion, BODY, unit=100.0, seed=1)
+    for node in builder.json["nodes"]:
+        node.pop("scale", None)
+    assert off(read(builder.glb(tmp_path / "a.glb")), motion) < NEAR
+
+
+def test_text_with_a_buffer_beside_it(tmp_path):
+    motion = motion_of()
+    path = person(motion, BODY, seed=2).gltf(tmp_path / "a.gltf", "a%20b.bin")
+    (tmp_path / "a b.bin").write_bytes((tmp_path / "a%20b.bin").read_bytes())
+    assert off(read(path), motion) < NEAR
+    (tmp_path / "a b.bin").unlink()
+    (tmp_path / "a%20b.bin").unlink()
+    with pytest.raises(HalfPhysicsError, match=r"a b.bin is not beside it. Copy it there"):
+        read(path)
+
+
+def test_several_animations_are_clips(tmp_path):
+    motions = [motion_of(), motion_of(12, seed=4)]
+    builder = Builder()
+    nodes = add_person(builder, builder.animation("walk"), motions[0], BODY, seed=2)
+    again = Builder()
+    add_person(again, again.animation("run"), motions[1], BODY, seed=2)
+    run = builder.animation("run")
+    for channel in again.json["animations"][0]["channels"]:
+        sampler = again.json["animations"][0]["samplers"][channel["sampler"]]
+        arrays = {}
+        for end in ("input", "output"):
+            accessor = again.json["accessors"][sampler[end]]
+            view = again.json["bufferViews"][accessor["bufferView"]]
+            raw = bytes(again.data[view["byteOffset"] :][: view["byteLength"]])
+            arrays[end] = np.frombuffer(raw, "<f4").reshape(accessor["count"], -1)
+        values = arrays["output"]
+        path = channel["target"]["path"]
+        if path == "rotation":
+            values = values[:, [3, 0, 1, 2]]
+        builder.animate(run, channel["target"]["node"], path, arrays["input"][:, 0], values)
+    assert len(nodes) == len(MIXAMO)
+    path = builder.glb(tmp_path / "a.glb")
+    assert [clip.name for clip in hp.clips(path)] == ["walk", "run"]
+    for name, motion in zip(("walk", "run"), motions, strict=True):
+        assert off(read(path, clip=name), motion) < NEAR
+    with pytest.raises(HalfPhysicsError, match="several clips: walk, run"):
+        read(path)
+
+
+def test_two_people_and_things_of_another_program(tmp_path):
+    people = [motion_of(seed=5), motion_of(seed=6)]
+    builder = Builder()
+    animation = builder.animation("take")
+    for index, motion in enumerate(people):
+        add_person(builder, animation, motion, BODY, seed=index, prefix=f"p{index}:")
+    corners = np.array([[0, 0, 0], [0.3, 0, 0], [0, 0.2, 0], [0, 0, 0.1]], dtype=float)
+    faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    builder.json["meshes"] = [
+        {
+            "primitives": [
+                {
+                    "attributes": {"POSITION": builder.accessor(corners, "VEC3")},
+                    "indices": builder.accessor(faces.reshape(-1, 1), "SCALAR", 5121),
+                }
+            ]
+        }
+    ]
+    thing = builder.node(name="mug", mesh=0, scale=[2.0, 2.0, 2.0], translation=[0.0, 1.0, 0.0])
+    t = np.arange(16)[:, None] / 30.0
+    places = np.array([0.5, 1.0, 0.2]) + t * [0.1, 0.3, -0.2]
+    builder.animate(animation, thing, "translation", t[:, 0], places)
+    builder.node(name="rock", mesh=0, translation=[3.0, 0.0, 0.0])
+    builder.node(builder.json["skins"][0]["joints"][5], name="hat", mesh=0)
+    sequence = quiet(builder.glb(tmp_path / "a.glb"), ground=False, adapt=False)
+    for motion, asked in zip(sequence.motions, people, strict=True):
+        assert off(motion, asked) < NEAR
+    assert list(sequence.scene.objects) == ["mug"]
+    assert list(sequence.scene.statics) == ["rock"]
+    item, track = sequence.scene.objects["mug"], sequence.recorded["mug"]
+    asked = (2.0 * corners + places[7]) @ np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]], dtype=float)
+    found = rot.rotate(track.quaternion[7], item.visual.vertices) + track.position[7]
+    away = np.linalg.norm(found[:, None] - asked[None], axis=-1)
+    assert max(away.min(axis=0).max(), away.min(axis=1).max()) < NEAR
+
+
+@pytest.mark.filterwarnings("ignore::halfphysics.errors.HalfPhysicsWarning")
+def test_keys_at_no_even_rate_are_sampled(tmp_path):
+    motion = motion_of(60)
+    builder = Builder()
+    animation = builder.animation("made by hand")
+    add_person(builder, animation, motion, BODY)
+    times = np.sort(np.random.default_rng(0).uniform(0.0, 2.0, 60)).astype(np.float32)
+    for sampler in animation["samplers"]:
+        sampler["input"] = builder.accessor(times[:, None], "SCALAR")
+    path = builder.glb(tmp_path / "a.glb")
+    with pytest.warns(HalfPhysicsWarning, match=r"no even rate: read at 30 fps \(fps=\)"):
+        slow = hp.Motion.load(path)
+    assert slow.fps == 30.0
+    fast = read(path, fps=90.0)
+    assert fast.fps == 90.0
+    assert off(fast[::3], slow) < SINGLE
+
+
+# -- files that are refused ------------------------------------------------------------------------
+
+
+def without_animation(b):
+    b.json["animations"] = []
+
+
+def of_a_table(b):
+    for k, node in enumerate(b.json["nodes"]):
+        node["name"] = f"leg{k}"
+
+
+WRONG = {
+    "a model without animation": (without_animation, "a model without animation"),
+    "no person": (of_a_table, "no joint is known as left_hip"),
+    "a node below itself": (
+        lambda b: b.json["nodes"][3].__setitem__("children", [2]),
+        "two parents|below itself",
+    ),
+    "a loop": (
+        lambda b: b.json["nodes"].extend([{"children": [len(b.json["nodes"]) + 1]},
+                                          {"children": [len(b.json["nodes"])]}]),
+        "below itself",
+    ),
+    "a child that is not there": (
+        lambda b: b.json["nodes"][3].__setitem__("children", [99999]), "children"),
+    "a skin of no nodes": (
+        lambda b: b.json["skins"][0].__setitem__("joints", [10**9]), "index of no node"),
+    "too few matrices": (
+        lambda b: b.json["accessors"][b.json["skins"][0]["inverseBindMatrices"]]
+        .__setitem__("count", 3), "found 3, expected 52"),
+    "another type": (
+        lambda b: b.json["accessors"][0].__setitem__("type", "VEC3"), "expected SCALAR"),
+    "another component": (
+        lambda b: b.json["accessors"][0].__setitem__("componentType", 5130), "component type 5130"),
+    "a huge count": (
+        lambda b: b.json["accessors"][0].__setitem__("count", 2**60), "rows of 4 bytes"),
+    "a negative offset": (
+        lambda b: b.json["accessors"][0].__setitem__("byteOffset", -4), "rows of 4 bytes"),
+    "a sparse accessor": (
+        lambda b: b.json["accessors"][0].__setitem__("sparse", {"count": 1}), "is sparse"),
+    "no data": (lambda b: b.json["accessors"][0].pop("bufferView"), "has no data"),
+    "a view of no buffer": (
+        lambda b: b.json["bufferViews"][0].__setitem__("buffer", 5), "buffers: found index 5"),
+    "a long view": (
+        lambda b: b.json["bufferViews"][0].__setitem__("byteLength", 2**40), "rows of 4 bytes"),
+    "no sampler": (
+        lambda b: b.json["animations"][0]["channels"][0].__setitem__("sampler", -1),
+        "no sampler -1"),
+    "no such node": (
+        lambda b: b.json["animations"][0]["channels"][0]["target"].__setitem__("node", 4000),
+        "no node 4000"),
+    "an unknown interpolation": (
+        lambda b: b.json["animations"][0]["samplers"][0].__setitem__("interpolation", "MAGIC"),
+        "found 'MAGIC'"),
+    "cubic without tangents": (
+        lambda b: b.json["animations"][0]["samplers"][0].__setitem__(
+            "interpolation", "CUBICSPLINE"), "found 16 values, expected 48"),
+    "times for values": (
+        lambda b: b.json["animations"][0]["samplers"][0].__setitem__("output", 0), "expected VEC"),
+    "compressed": (
+        lambda b: b.json.__setitem__("extensionsRequired", ["KHR_draco_mesh_compression"]),
+        "Export it uncompressed"),
+    "version 1": (lambda b: b.json.__setitem__("asset", {"version": "1.0"}), "found '1.0'"),
+    "nodes of text": (lambda b: b.json.__setitem__("nodes", "many"), "expected a list of objects"),
+    "a scale of nothing": (
+        lambda b: b.json["nodes"][0].__setitem__("scale", [0, 0, 0]), "have no extent"),
+    "a mirror": (lambda b: b.json["nodes"][0].__setitem__("scale", [-1, 1, 1]), "mirror"),
+    "a shear": (lambda b: b.json["nodes"][0].__setitem__("scale", [1, 5, 1]), "shear|scales"),
+    "a scale of words": (
+        lambda b: b.json["nodes"][0].__setitem__("scale", ["a", {}, None]), "expected 3 numbers"),
+    "infinite": (
+        lambda b: b.json["nodes"][0].__setitem__("translation", [1e300, 0, 0]), "3 numbers"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_wrong_files(tmp_path, case):
+    spoil, message = WRONG[case]
+    builder = person(motion_of(), BODY, tilt=(0.3, 0.0, 0.0))
+    spoil(builder)
+    path = builder.glb(tmp_path / "a.glb")
+    with pytest.raises(HalfPhysicsError, match=message) as caught:
+        read(path)
+    assert "a.glb" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_day_between_two_keys_is_refused(tmp_path):
+    builder = person(motion_of(), BODY)
+    times = np.arange(16) / 30.0
+    times[-1] = 1e7
+    for sampler in builder.json["animations"][0]["samplers"]:
+        sampler["input"] = builder.accessor(times[:, None], "SCALAR")
+    with pytest.raises(HalfPhysicsError, match=r"frames of .* nodes, expected at most"):
+        read(builder.glb(tmp_path / "a.glb"))
+
+
+def test_fbx_says_how_to_convert_it(tmp_path):
+    for name, raw in (("a.fbx", b"; FBX 7.4.0 project file\n"), ("b", b"Kaydara FBX Binary  \0")):
+        (tmp_path / name).write_bytes(raw)
+        with pytest.raises(
+            HalfPhysicsError, match="File > Import > FBX, then File > Export > glTF"
+        ):
+            read(tmp_path / name)
+
+
+def test_broken_bytes_are_refused_or_harmless(tmp_path):
+    hp.export(motion_of(4), tmp_path / "good.glb")
+    whole = (tmp_path / "good.glb").read_bytes()
+    size = int.from_bytes(whole[12:16], "little") + 20
+    rng, path = np.random.default_rng(1), tmp_path / "broken.glb"
+    for length in np.linspace(0, len(whole) - 1, 16).astype(int):
+        path.write_bytes(whole[:length])
+        with pytest.raises(HalfPhysicsError):
+            read(path)
+    for _ in range(60):
+        bad = bytearray(whole)
+        bad[rng.integers(size)] ^= 1 << rng.integers(8)
+        path.write_bytes(bytes(bad))
+        try:
+            read(path)
+        except HalfPhysicsError:
+            continue
+
+
+def test_json_that_is_no_gltf_is_left_to_others(tmp_path):
+    (tmp_path / "a.json").write_text(json.dumps({"poses": []}))
+    with pytest.raises(HalfPhysicsError, match="no known motion format"):
+        read(tmp_path / "a.json")

@@ -11,6 +11,8 @@ import pytest
 import halfphysics as hp
 from halfphysics.base import rotations as rot
 from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning
+from halfphysics.formats.bvh.channels import animated
+from halfphysics.formats.bvh.text import read_bvh
 from halfphysics.motion.skeleton import FACE_JOINTS, JOINT_INDEX, JOINT_NAMES
 from halfphysics.results.result import ObjectTrack
 from support.files.bvh_files import MIXAMO
@@ -137,6 +139,66 @@ def test_what_is_done_is_told_once_and_up_can_be_said(tmp_path):
     assert "y up" in said
     assert "left_wrist, right_wrist, all fingers" in said
     assert said.endswith("not used of the file: Hat")
+
+
+@pytest.mark.parametrize("clip", ["dab", "jesse_dance"])
+@pytest.mark.filterwarnings("ignore::halfphysics.errors.HalfPhysicsWarning")
+def test_a_real_skeleton_is_read_as_from_its_bvh_file(shared_data, tmp_path, clip):
+    path = shared_data / "motion" / f"animdraw_{clip}.bvh"
+    bvh = read_bvh(path)
+    joints = animated(bvh, slice(0, 60))
+    builder, nodes = Builder(), []
+    animation = builder.animation("take")
+    times = np.arange(len(joints.positions)) / bvh.fps
+    inverse = np.tile(np.eye(4), (len(joints.names), 1, 1))
+    rest = np.zeros((len(joints.names), 3))
+    for joint, parent in enumerate(joints.parents):
+        world, place = joints.quaternions[:, joint], joints.positions[:, joint]
+        if parent >= 0:
+            rest[joint] = rest[parent] + joints.offsets[joint]
+            into = rot.conjugate(joints.quaternions[:, parent])
+            world = rot.multiply(into, world)
+            place = rot.rotate(into, place - joints.positions[:, parent])
+        nodes.append(builder.node(nodes[parent] if parent >= 0 else None, name=joints.names[joint]))
+        builder.animate(animation, nodes[joint], "rotation", times, world)
+        builder.animate(animation, nodes[joint], "translation", times, place)
+    for joint, end in joints.ends.items():
+        nodes.append(builder.node(nodes[joint], name=f"{joints.names[joint]}_end"))
+        builder.json["nodes"][nodes[-1]]["translation"] = end.tolist()
+        rest = np.vstack([rest, rest[joint] + end])
+        inverse = np.concatenate([inverse, np.eye(4)[None]])
+    inverse[:, :3, 3] = -rest
+    columns = builder.accessor(np.swapaxes(inverse, 1, 2).reshape(-1, 16), "MAT4")
+    builder.json["skins"] = [{"joints": nodes, "inverseBindMatrices": columns}]
+    asked = hp.Motion.load(path, frames=(0, 60))
+    found = hp.Motion.load(builder.glb(tmp_path / "a.glb"))
+    assert off(found, asked) < SINGLE
+
+
+def test_skins_of_parts_are_one_person(tmp_path):
+    motion = motion_of()
+    builder = person(motion, BODY, seed=1)
+    skin = builder.json["skins"].pop()
+    names = [builder.json["nodes"][joint]["name"] for joint in skin["joints"]]
+    columns = np.frombuffer(
+        bytes(builder.data[builder.json["bufferViews"][-1]["byteOffset"] :][: 64 * len(names)]),
+        "<f4",
+    ).reshape(-1, 16)
+    for part in (
+        "LeftUpLeg LeftLeg LeftFoot LeftToeBase",
+        "RightUpLeg RightLeg RightFoot RightToeBase",
+    ):
+        rows = [names.index(name) for name in part.split()]
+        add_skin(builder, [skin["joints"][k] for k in rows], columns[rows])
+    away = ("Leg", "Foot", "Toe")
+    rows = [k for k, name in enumerate(names) if not any(part in name for part in away)]
+    add_skin(builder, [skin["joints"][k] for k in rows], columns[rows])
+    assert off(read(builder.glb(tmp_path / "a.glb")), motion) < NEAR
+
+
+def add_skin(builder: Builder, joints: list[int], columns: np.ndarray) -> None:
+    matrices = builder.accessor(columns, "MAT4")
+    builder.json["skins"].append({"joints": joints, "inverseBindMatrices": matrices})
 
 
 def test_rigs_in_centimetres_without_a_scale_are_found_by_their_legs(tmp_path):

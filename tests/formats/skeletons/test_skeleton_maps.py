@@ -92,6 +92,15 @@ STYLES = {
     ),
     "old": styled(_OLD, lambda s, n: f"{s.capitalize()}{n}", None),
     "CMU asf": styled(_ASF, lambda s, n: f"{s[0]}{n}", None),
+    "VRM": {
+        joint: name if "_Bip_" in name else f"J_Bip_C_{name}"
+        for joint, name in styled(
+            {**_BIPED, "hip": "UpperLeg", "knee": "LowerLeg", "foot": "ToeBase"}
+            | {"collar": "Shoulder", "elbow": "LowerArm"},
+            lambda s, n: f"J_Bip_{s[0].upper()}_{n}",
+            lambda s, f, k: f"J_Bip_{s[0].upper()}_{f.replace('pinky', 'little').capitalize()}{k}",
+        ).items()
+    },
     "rThigh": styled(_BIPED, lambda s, n: f"{s[0]}{n.replace('Toe0', 'Toe')}", None),
 }
 

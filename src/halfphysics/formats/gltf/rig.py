@@ -25,6 +25,8 @@ Array = NDArray[np.float64]
 
 #: Poses of all nodes that are computed at most: bounds the memory [frames times nodes].
 _MOST_POSES = 8_000_000
+#: Frames that are computed at once: bounds the memory of their matrices.
+_CHUNK = 4096
 #: Joints of all skins: far above any scene of people.
 _MOST_JOINTS = 20_000
 #: Columns of a matrix that are a rotation times scales are square to each other to this.
@@ -81,12 +83,12 @@ def bare_rig(nodes: Nodes, animation: Animation) -> list[Rig]:
 
 
 def _join(groups: list[tuple[int, set[int]]], root: int, joints: set[int], nodes: Nodes) -> None:
-    """Add a skin to the group whose root is above or below its own."""
-    for k, (other, theirs) in enumerate(groups):
+    """Add a skin; groups whose root is above or below its own become one with it."""
+    for other, theirs in list(groups):
         if root in nodes.above(other) or other in nodes.above(root):
-            top = root if nodes.depths[root] < nodes.depths[other] else other
-            groups[k] = (top, theirs | joints)
-            return
+            groups.remove((other, theirs))
+            root = root if nodes.depths[root] < nodes.depths[other] else other
+            joints = joints | theirs
     groups.append((root, joints))
 
 
@@ -223,15 +225,18 @@ def animated(nodes: Nodes, rig: Rig, animation: Animation, times: Array) -> Anim
     Raises:
         FileError: Transforms mirror or shear the body.
     """
-    transforms = world(nodes, animation, rig.nodes, times)
+    places = np.empty((len(times), len(rig.nodes), 3))
+    own = np.empty((len(times), len(rig.nodes), 4))
     try:
-        own, _ = rotations_of_matrices(transforms)
         bind, _ = rotations_of_matrices(rig.bind)
+        for start in range(0, len(times), _CHUNK):
+            rows = slice(start, start + _CHUNK)
+            transforms = world(nodes, animation, rig.nodes, times[rows])
+            own[rows], places[rows] = rotations_of_matrices(transforms)[0], transforms[..., :3, 3]
     except ValueError as error:
         raise nodes.container.error(
             f"skeleton {rig.name!r}: transforms {error}, expected rotations and even scales"
         ) from None
-    places = transforms[..., :3, 3]
     index = {node: k for k, node in enumerate(rig.nodes)}
     parents = tuple(index.get(nodes.parents[node], -1) for node in rig.nodes)
     parents = (-1, *parents[1:])
@@ -242,7 +247,7 @@ def animated(nodes: Nodes, rig: Rig, animation: Animation, times: Array) -> Anim
         parents=parents,
         offsets=offsets * _scale(places[0], offsets, parents),
         ends={},
-        positions=np.array(places),
+        positions=places,
         quaternions=rot.multiply(own, rot.conjugate(bind)),
     )
 

@@ -17,7 +17,7 @@ from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES, N_JOINTS
 
 _PREFIX = re.compile(
     r"^(.*:|mixamorig\d*[_ ]?|bip0*\d+[_ ]*|character\d*_|cc_base_|def[-_]|org[-_]|armature[_|]"
-    r"|[fm]_avg_|jnt_|b_)",
+    r"|[fm]_avg_|jnt_|b_|j_bip_(c_)?)",
     re.IGNORECASE,
 )
 _SUFFIX = re.compile(r"(_jnt|_joint|_bone)$", re.IGNORECASE)

@@ -42,6 +42,17 @@ def test_what_is_taken_is_told(tmp_path):
     assert [clip.format for clip in hp.clips(tmp_path)] == ["interact"]
 
 
+@pytest.mark.filterwarnings("ignore::halfphysics.errors.HalfPhysicsWarning")
+def test_a_file_in_the_order_of_amass_is_known_by_its_still_face(tmp_path):
+    someone = sets.person(17, SMPLH_JOINTS)
+    content = sets.interact_fields(someone, 165)
+    content["poses"] = sets.flat(sets.in_axes(someone, sets.Y_UP)[1], range(55))
+    folder = sets.interact(tmp_path, someone, 165)
+    np.savez(folder / "human.npz", **content)
+    with pytest.warns(hp.HalfPhysicsWarning, match="read in the order of AMASS"):
+        assert sets.off(hp.Motion.load(folder), someone) < sets.DOUBLE
+
+
 def test_components_of_hands_need_the_model(tmp_path):
     content = model_fields("smplx")
     model = write_npz(tmp_path / "SMPLX_MALE.npz", content)

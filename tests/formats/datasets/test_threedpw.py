@@ -42,8 +42,13 @@ def test_one_person_and_files_with_the_images_rate_only(tmp_path):
 
 
 WRONG = [
-    ("no list", "poses_60Hz", lambda a: 3, "list with an array"),
-    ("one list shorter", "trans_60Hz", lambda a: a[:1], "array for person 1"),
+    ("no list", "poses_60Hz", lambda a: 3, "found int, expected a list"),
+    (
+        "one list shorter",
+        "trans_60Hz",
+        lambda a: a[:1],
+        "found 1 people, expected an array for person 1",
+    ),
     ("a wrong width", "poses_60Hz", lambda a: [p[:, :66] for p in a], r"'poses'.*\(T, 72\)"),
     ("fewer places", "trans_60Hz", lambda a: [p[:-1] for p in a], "different length"),
     ("NaN", "trans_60Hz", lambda a: [p + np.nan for p in a], "'trans'.*NaN"),

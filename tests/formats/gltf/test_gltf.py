@@ -429,6 +429,41 @@ def test_broken_bytes_are_refused_or_harmless(tmp_path):
             continue
 
 
+def values_below(value, path=()):
+    """The path of every value in the text of a file."""
+    if path:
+        yield path
+    if isinstance(value, dict | list):
+        items = value.items() if isinstance(value, dict) else enumerate(value)
+        for key, each in items:
+            yield from values_below(each, (*path, key))
+
+
+def test_odd_values_anywhere_are_refused_or_harmless(tmp_path):
+    odd = [None, -1, 3, 2**63, 1e308, "x", [], {}, [[]], True, [0, 0, 0, 0], {"a": 1}, "VEC4", 5121]
+    path, rng = tmp_path / "a.gltf", np.random.default_rng(2)
+    person(motion_of(4), BODY, seed=1).gltf(path, "a.bin")
+    whole = path.read_text()
+    paths: dict[str, list] = {}
+    for way in values_below(json.loads(whole)):
+        paths.setdefault(way[0], []).append(way)
+    refused = 0
+    for trial in range(150):
+        content = json.loads(whole)
+        below = paths[list(paths)[trial % len(paths)]]
+        *way, last = below[rng.integers(len(below))]
+        inner = content
+        for key in way:
+            inner = inner[key]
+        inner[last] = odd[rng.integers(len(odd))]
+        path.write_text(json.dumps(content))
+        try:
+            read(path)
+        except HalfPhysicsError:
+            refused += 1
+    assert refused > 50
+
+
 def test_json_that_is_no_gltf_is_left_to_others(tmp_path):
     (tmp_path / "a.json").write_text(json.dumps({"poses": []}))
     with pytest.raises(HalfPhysicsError, match="no known motion format"):

@@ -48,6 +48,8 @@ _ALL = {"poses", "trans", "betas", "gender"}
 _BODY = skeleton.SMPL_JOINTS
 #: Columns of `poses` -> the joints of each three.
 _WIDTHS = {156: skeleton.SMPLH_JOINTS, 165: (*skeleton.SMPLH_JOINTS, *skeleton.FACE_JOINTS)}
+#: Columns of jaw and eyes in the order of AMASS; here these are the left index and middle finger.
+_AMASS_FACE = slice(66, 75)
 _COMPONENTS = 12
 _WITH_COMPONENTS = 3 * len(_BODY) + 2 * _COMPONENTS
 
@@ -104,7 +106,7 @@ def _load(source: Source, options: Options) -> Motion:
         fingers, hands = relaxed_fingers(record, options, gender or "neutral", parts)
         rotations = rotations_of({_BODY: poses[:, : 3 * len(_BODY)], **fingers})
     else:
-        rotations = rotations_of({_WIDTHS[width]: poses})
+        rotations = rotations_of({_columns(source, poses): poses})
         _warn_of_guesses(source, options, width)
     return motion_of(
         record.where,
@@ -119,6 +121,22 @@ def _load(source: Source, options: Options) -> Motion:
         betas=median_shape(record, frames),
         hands=hands,
     )
+
+
+def _columns(source: Source, poses: Array) -> tuple[int, ...]:
+    """The joints of each three columns: those of AMASS, if its face is still and fingers are not.
+
+    A file with still fingers fits both orders.
+    """
+    order = _WIDTHS[poses.shape[1]]
+    if len(order) != skeleton.N_JOINTS or poses[:, _AMASS_FACE].any():
+        return order
+    if not poses[:, _AMASS_FACE.stop : 156].any():
+        return order
+    warn(
+        f"{source.path}: field 'poses': a still face before the fingers: read in the order of AMASS"
+    )
+    return tuple(range(skeleton.N_JOINTS))
 
 
 def _warn_of_guesses(source: Source, options: Options, width: int) -> None:

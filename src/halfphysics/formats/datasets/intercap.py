@@ -65,7 +65,8 @@ def _is_ours(data: object) -> bool:
         return False
     if {"ob_pose", "ob_trans"} & data.keys():
         return True
-    return np.shape(data.get("poses", ()))[1:] == (_JOINED,) and "trans" in data
+    poses = data.get("poses")
+    return isinstance(poses, np.ndarray) and poses.shape[1:] == (_JOINED,) and "trans" in data
 
 
 def _record(source: Source) -> Record:

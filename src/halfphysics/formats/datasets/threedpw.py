@@ -38,10 +38,21 @@ def _sniff(source: Source) -> bool:
 
 
 def _of_person(record: Record, key: str, index: int) -> Any:
-    people = record.raw(key, "(a list with one array for each person)")
-    if not isinstance(people, list | tuple | np.ndarray) or index >= len(people):
-        raise record.error(key, f"expected a list with an array for person {index}")
+    people = _list(record, key)
+    if index >= len(people):
+        raise record.error(key, f"found {len(people)} people, expected an array for person {index}")
     return people[index]
+
+
+def _list(record: Record, key: str) -> Any:
+    """A list, or an array of at least one dimension, with one entry for each person."""
+    people = record.raw(key, "(a list with one array for each person)")
+    fits = isinstance(people, list | tuple) or (isinstance(people, np.ndarray) and people.ndim > 0)
+    if not fits:
+        raise record.error(
+            key, f"found {type(people).__name__}, expected a list with one array for each person"
+        )
+    return people
 
 
 def _person(source: Source, index: int) -> tuple[Record, float]:
@@ -56,9 +67,8 @@ def _person(source: Source, index: int) -> tuple[Record, float]:
 
 
 def _people(source: Source) -> list[Track]:
-    people = Record(source.path, source.data).raw("poses", "(a list of arrays)")
     tracks = []
-    for index in range(len(people)):
+    for index in range(len(_list(Record(source.path, source.data), "poses"))):
         record, _ = _person(source, index)
         tracks.append(Track(str(index), 0, len(record.numbers("poses", None, 72))))
     return tracks

@@ -46,7 +46,7 @@ def stored(container: Container, index: Any, kind: str, what: str) -> NDArray[An
     """The rows (n, k) of an accessor, in the number type of the file."""
     entry = container.entry("accessors", index)
     number, found = entry.get("componentType"), entry.get("type")
-    if found != kind or number not in _TYPES:
+    if found != kind or not isinstance(number, int) or number not in _TYPES:
         raise container.error(
             f"{what}: found accessor {index} of {shown(found)} and component type "
             f"{shown(number)}, expected {kind}"

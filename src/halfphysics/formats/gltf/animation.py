@@ -117,7 +117,7 @@ class Animation:
             if not isinstance(target, dict):
                 raise container.error(f"{self._where}: channel {number} has no target")
             node, path = target.get("node"), target.get("path")
-            if node is None or path not in PATHS:
+            if node is None or not isinstance(path, str) or path not in PATHS:
                 continue  # weights of morph targets, and targets of extensions
             if not is_index(node, nodes):
                 raise container.error(f"{self._where}: channel {number}: no node {shown(node)}")

@@ -285,6 +285,55 @@ def test_two_people_and_things_of_another_program(tmp_path):
     assert max(away.min(axis=0).max(), away.min(axis=1).max()) < NEAR
 
 
+def test_a_cabinet_with_a_skin_is_cut_at_its_door(tmp_path):
+    """One mesh on two joints, in frames of their own: the door turns, the box stands."""
+    builder = Builder()
+    animation = builder.animation("take")
+    add_person(builder, animation, motion_of(), BODY)
+    corners = np.array([[0, 0, 0], [0.4, 0, 0], [0, 0.5, 0], [0, 0, 0.3]], dtype=float)
+    faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    hinge = np.array([0.5, 0.2, 0.0])
+    frame = rot.exp([0.3, 0.4, -0.5])  # of the door's joint at the bind pose
+    places = np.concatenate([corners, corners + hinge])
+    weights, joints = np.zeros((8, 4)), np.zeros((8, 4))
+    weights[:, 0], weights[:, 1], joints[4:, 0], joints[:4, 1] = 0.9, 0.1, 1, 1
+    inverse = np.tile(np.eye(4), (2, 1, 1))
+    inverse[1, :3, :3] = rot.to_matrix(frame).T
+    inverse[1, :3, 3] = -inverse[1, :3, :3] @ hinge
+    attributes = {
+        "POSITION": builder.accessor(places, "VEC3"),
+        "JOINTS_0": builder.accessor(joints, "VEC4", 5121),
+        "WEIGHTS_0": builder.accessor(weights, "VEC4"),
+    }
+    indices = builder.accessor(np.concatenate([faces, faces + 4]).reshape(-1, 1), "SCALAR", 5123)
+    builder.json["meshes"] = [{"primitives": [{"attributes": attributes, "indices": indices}]}]
+    box = builder.node(name="box", translation=[2.0, 0.0, 0.0])
+    door = builder.node(box, name="door", translation=hinge.tolist())
+    turns = rot.multiply(rot.exp(np.linspace(0, 1, 16)[:, None] * np.array([0.0, 1.0, 0.0])), frame)
+    builder.animate(animation, door, "rotation", np.arange(16) / 30.0, turns)
+    columns = builder.accessor(np.swapaxes(inverse, 1, 2).reshape(-1, 16), "MAT4")
+    builder.json["skins"].append({"joints": [box, door], "inverseBindMatrices": columns})
+    builder.node(name="cabinet", mesh=0, skin=1)
+    builder.node(name="copy", mesh=0, scale=[-1.0, 2.0, 1.0], translation=[0.0, 0.0, 3.0])
+    path = builder.glb(tmp_path / "a.glb")
+    with pytest.warns(HalfPhysicsWarning, match="joins the parts of 'cabinet' is not known"):
+        scene = (sequence := hp.load_sequence(path, ground=False, adapt=False)).scene
+    assert sorted(scene.statics) == ["cabinet_box", "copy"]
+    assert list(scene.objects) == ["cabinet_door"]
+    file = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]], dtype=float)  # file from world
+    track, item = sequence.recorded["cabinet_door"], scene.objects["cabinet_door"]
+    own = rot.rotate(rot.multiply(turns[9], rot.conjugate(frame)), corners) + hinge + [2.0, 0, 0]
+    found = rot.rotate(track.quaternion[9], item.visual.vertices) + track.position[9]
+    away = np.linalg.norm(found[:, None] - (own @ file)[None], axis=-1)
+    assert max(away.min(axis=0).max(), away.min(axis=1).max()) < SINGLE
+    copy = scene.statics["copy"]
+    found = rot.rotate(copy.quaternion, copy.shape.vertices) + copy.position
+    own = (places * [-1.0, 2.0, 1.0] + [0.0, 0.0, 3.0]) @ file
+    away = np.linalg.norm(found[:, None] - own[None], axis=-1)
+    assert max(away.min(axis=0).max(), away.min(axis=1).max()) < SINGLE
+    assert copy.shape.volume > 0.0  # mirrored with its triangles the right way round
+
+
 @pytest.mark.filterwarnings("ignore::halfphysics.errors.HalfPhysicsWarning")
 def test_keys_at_no_even_rate_are_sampled(tmp_path):
     motion = motion_of(60)

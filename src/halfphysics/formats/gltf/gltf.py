@@ -244,6 +244,15 @@ def _scene(
             height = floor_height(sized, axes[2])
             if height is not None:
                 scene.add_static(prop.name, Plane(offset=height))
+            elif prop.moves and prop.whole and options.objects == "free":
+                warn(
+                    f"{where}: what joins the parts of {prop.whole!r} is not known: they move as "
+                    "recorded"
+                )
+                position = places @ axes.T
+                quaternion = rot.from_matrix(axes @ prop.rotations)
+                scene.add_moving(prop.name, mesh, position, quaternion, fps=motion.fps, up="z")
+                tracks[prop.name] = ObjectTrack(position=position, quaternion=quaternion)
             elif prop.moves:
                 tracks[prop.name] = add_recorded(
                     scene, prop.name, mesh, places, prop.rotations,

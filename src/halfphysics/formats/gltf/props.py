@@ -1,26 +1,28 @@
-"""The meshes of a glTF file that are no people's skin: what stands, and what moves."""
+"""The meshes of a glTF file that are no people's skin: what stands, and what moves.
+
+The skin of a thing (a cabinet whose doors are joints) is cut into rigid parts, each the triangles
+that follow one joint most.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
-from halfphysics.formats.gltf.accessors import rows, stored
 from halfphysics.formats.gltf.animation import Animation
 from halfphysics.formats.gltf.container import Container
+from halfphysics.formats.gltf.meshes import triangles
 from halfphysics.formats.gltf.nodes import Nodes
-from halfphysics.formats.gltf.rig import rotations_of_matrices, world
+from halfphysics.formats.gltf.rig import bind_poses, rotations_of_matrices, world
 from halfphysics.geometry.mesh import Mesh
 
 Array = NDArray[np.float64]
 
-#: `mode` of a primitive: triangles.
-_TRIANGLES = 4
 #: Vertices of all props together: bounds the memory.
 _MOST_VERTICES = 10_000_000
 #: A flat mesh at least so wide is a floor [m], if its height differs by less than that [m].
@@ -32,19 +34,32 @@ class Prop(NamedTuple):
 
     Attributes:
         name: New among the props.
-        mesh: In the node's frame, at its first size.
+        mesh: In the prop's frame, at its first size.
         positions: (T, 3), one row for what stands.
         rotations: (T, 3, 3).
+        whole: Name of the thing of which it is one of several parts, else "".
     """
 
     name: str
     mesh: Mesh
     positions: Array
     rotations: Array
+    whole: str = ""
 
     @property
     def moves(self) -> bool:
+        """Whether it has a pose per frame."""
         return len(self.positions) > 1
+
+
+class _Piece(NamedTuple):
+    """Triangles in the frame of a node."""
+
+    node: int
+    name: str
+    vertices: Array
+    faces: NDArray[np.int64]
+    whole: str = ""
 
 
 def props(
@@ -62,37 +77,74 @@ def props(
     """
     found: list[Prop] = []
     names, vertices = _Names(), 0
-    joints = set(people)
     moved = {node for node, _ in animation.keys}
-    for node, entry in enumerate(nodes.entries):
-        above = nodes.above(node)
-        if "mesh" not in entry or "skin" in entry or joints & set(above):
-            continue
-        mesh = _mesh(container, nodes.names[node], container.entry("meshes", entry["mesh"]))
-        if mesh is None:
-            continue
-        vertices += len(mesh.vertices)
+    for piece in _pieces(container, nodes, set(people)):
+        vertices += len(piece.vertices)
         if vertices > _MOST_VERTICES:
             raise container.error(f"meshes of over {_MOST_VERTICES} vertices, expected a room")
-        at = times if moved & set(above) else times[:1]
-        transforms = world(nodes, animation, (node,), at)[:, 0]
+        at = times if moved & set(nodes.above(piece.node)) else times[:1]
+        transforms = world(nodes, animation, (piece.node,), at)[:, 0]
         try:
-            turns = rotations_of_matrices(transforms)[0]
-        except ValueError as error:
-            raise container.error(
-                f"node {nodes.names[node]!r}: transforms {error}, expected rotations and scales"
-            ) from None
-        # Columns of the linear part over their rotation: the size, which stays that of the start.
-        sizes = np.linalg.norm(transforms[0, :3, :3], axis=0)
-        found.append(
-            Prop(
-                names.new(nodes.names[node]),
-                Mesh(mesh.vertices * sizes, mesh.faces),
-                transforms[:, :3, 3],
-                rot.to_matrix(turns),
-            )
-        )
+            mesh, turns = _sized(piece, transforms)
+        except (ValueError, InputError) as error:
+            raise container.error(f"mesh of {piece.name!r}: {error}") from None
+        name = names.new(piece.name)
+        found.append(Prop(name, mesh, transforms[:, :3, 3], turns, piece.whole))
     return found
+
+
+def _pieces(container: Container, nodes: Nodes, people: set[int]) -> Iterator[_Piece]:
+    """The rigid parts of all meshes that are no people's."""
+    for node, entry in enumerate(nodes.entries):
+        if "mesh" not in entry:
+            continue
+        name = nodes.names[node]
+        if "skin" not in entry:
+            found = None
+            if not people & set(nodes.above(node)):
+                found = triangles(container, name, entry["mesh"])
+            if found is not None:
+                yield _Piece(node, name, found.vertices, found.faces)
+            continue
+        joints, bind = bind_poses(container, entry["skin"], nodes)
+        found = None if people & set(joints) else triangles(container, name, entry["mesh"])
+        if found is None:
+            continue
+        if found.joints.max(initial=0) >= len(joints):
+            raise container.error(f"mesh of {name!r}: follows joints that its skin does not have")
+        owner = np.median(found.joints[found.faces], axis=1).astype(np.int64)
+        parts = np.unique(owner)
+        for part in parts:
+            inverse = np.linalg.inv(bind[part])
+            used, faces = np.unique(found.faces[owner == part], return_inverse=True)
+            places = found.vertices[used] @ inverse[:3, :3].T + inverse[:3, 3]
+            own = f"{name}_{nodes.names[joints[part]]}" if len(parts) > 1 else name
+            whole = name if len(parts) > 1 else ""
+            yield _Piece(joints[part], own, places, faces.reshape(-1, 3), whole)
+
+
+def _sized(piece: _Piece, transforms: Array) -> tuple[Mesh, Array]:
+    """The mesh at its first size, and its rotations (T, 3, 3).
+
+    What stands has its whole transform but the place in its vertices: rooms mirror and shear what
+    they repeat.
+    """
+    first, faces = transforms[0, :3, :3], piece.faces.astype(np.int32)
+    mirrored = np.linalg.det(first) < 0.0
+    if mirrored:
+        faces = faces[:, ::-1]
+    if len(transforms) == 1:
+        return Mesh(piece.vertices @ first.T, faces), np.eye(3)[None]
+    flip = np.diag([-1.0 if mirrored else 1.0, 1.0, 1.0])
+    moving = np.array(transforms)
+    moving[:, :3, :3] = moving[:, :3, :3] @ flip
+    try:
+        turns = rotations_of_matrices(moving)[0]
+    except ValueError as error:
+        raise ValueError(f"transforms {error}, expected rotations and scales") from None
+    # Columns of the linear part over their rotation: the size, which stays that of the start.
+    sizes = np.linalg.norm(first, axis=0)
+    return Mesh(piece.vertices @ flip * sizes, faces), rot.to_matrix(turns)
 
 
 class _Names:
@@ -115,34 +167,3 @@ def floor_height(prop: Prop, up: Array) -> float | None:
     across = corners - heights[:, None] * up
     wide = float(np.ptp(across, axis=0).max())
     return float(heights.mean()) if np.ptp(heights) < _FLOOR[1] and wide > _FLOOR[0] else None
-
-
-def _mesh(container: Container, name: str, entry: dict[str, Any]) -> Mesh | None:
-    """The triangles of a mesh; None: it has none."""
-    primitives = entry.get("primitives", [])
-    if not isinstance(primitives, list) or not all(isinstance(p, dict) for p in primitives):
-        raise container.error(f"mesh of {name!r}: expected a list of primitives")
-    vertices, faces, count = [], [], 0
-    for primitive in primitives:
-        attributes = primitive.get("attributes")
-        if not isinstance(attributes, dict) or "POSITION" not in attributes:
-            continue
-        if primitive.get("mode", _TRIANGLES) != _TRIANGLES:
-            continue
-        places = rows(container, attributes["POSITION"], "VEC3", f"vertices of {name!r}")
-        if "indices" in primitive:
-            what = f"triangles of {name!r}"
-            corners = stored(container, primitive["indices"], "SCALAR", what)[:, 0].astype(np.int64)
-        else:
-            corners = np.arange(len(places))
-        if len(corners) % 3 or (len(corners) and corners.max() >= len(places)):
-            raise container.error(f"triangles of {name!r}: indices of no vertex, or no triangles")
-        vertices.append(places)
-        faces.append(corners.reshape(-1, 3) + count)
-        count += len(places)
-    if not faces:
-        return None
-    try:
-        return Mesh(np.concatenate(vertices), np.concatenate(faces))
-    except InputError as error:
-        raise container.error(f"mesh of {name!r}: {error}") from None

@@ -9,6 +9,7 @@ pose and R(t) that in the world, the frame has the rotation ``R(t) B^T``.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,27 +60,24 @@ def rigs(container: Container, nodes: Nodes) -> list[Rig]:
     known: dict[int, Array] = {}  # joint -> transform at the bind pose
     groups: list[tuple[int, set[int]]] = []  # the node above all joints, and the joints
     total = 0
-    for number, skin in enumerate(container.entries("skins")):
-        joints = skin.get("joints")
-        if not isinstance(joints, list) or not joints:
-            raise container.error(f"skin {number}: joints: found {shown(joints)}")
-        if not all(is_index(joint, len(nodes.names)) for joint in joints):
-            raise container.error(f"skin {number}: joints: found an index of no node")
+    for number in range(len(container.entries("skins"))):
+        joints, bind = bind_poses(container, number, nodes)
         total += len(joints)
         if total > _MOST_JOINTS:
             raise container.error(f"skins of over {_MOST_JOINTS} joints, expected those of people")
-        for joint, matrix in zip(joints, _bind(container, number, skin, nodes), strict=True):
+        for joint, matrix in zip(joints, bind, strict=True):
             known.setdefault(joint, matrix)
-        _join(groups, _meeting(nodes, joints), set(joints), nodes)
+        root = _meeting(nodes, joints)
+        if root is not None:
+            _join(groups, root, set(joints), nodes)
     return [_rig(nodes, root, joints, known) for root, joints in groups]
 
 
 def bare_rig(nodes: Nodes, animation: Animation) -> list[Rig]:
     """The skeleton of all turning nodes, in a file without skins: at the pose of its nodes."""
     joints = {node for node, path in animation.keys if path == "rotation"}
-    if not joints:
-        return []
-    return [_rig(nodes, _meeting(nodes, sorted(joints)), joints, {})]
+    root = _meeting(nodes, sorted(joints)) if joints else None
+    return [] if root is None else [_rig(nodes, root, joints, {})]
 
 
 def _join(groups: list[tuple[int, set[int]]], root: int, joints: set[int], nodes: Nodes) -> None:
@@ -92,27 +90,29 @@ def _join(groups: list[tuple[int, set[int]]], root: int, joints: set[int], nodes
     groups.append((root, joints))
 
 
-def _meeting(nodes: Nodes, joints: list[int]) -> int:
-    """The lowest node that is, or is above, all of these."""
+def _meeting(nodes: Nodes, joints: list[int]) -> int | None:
+    """The lowest node that is, or is above, all of these; None: they hang on no one node."""
     path = nodes.above(joints[0])
     common = set(path)
     for joint in joints[1:]:
         common &= set(nodes.above(joint))
-    found = next((node for node in path if node in common), None)
-    if found is None:
-        raise nodes.container.error(
-            f"joints {nodes.names[joints[0]]!r} and others have no root in common, expected one "
-            "skeleton"
-        )
-    return found
+    return next((node for node in path if node in common), None)
 
 
-def _bind(container: Container, number: int, skin: dict[str, object], nodes: Nodes) -> Array:
-    """Transforms (J, 4, 4) of a skin's joints at the bind pose."""
-    joints = skin["joints"]
-    assert isinstance(joints, list)
+def bind_poses(container: Container, number: Any, nodes: Nodes) -> tuple[list[int], Array]:
+    """Joints of a skin, and their transforms (J, 4, 4) at the bind pose.
+
+    Raises:
+        FileError: It names what is not there, or its matrices are impossible.
+    """
+    skin = container.entry("skins", number)
+    joints = skin.get("joints")
+    if not isinstance(joints, list) or not joints:
+        raise container.error(f"skin {number}: joints: found {shown(joints)}")
+    if not all(is_index(joint, len(nodes.names)) for joint in joints):
+        raise container.error(f"skin {number}: joints: found an index of no node")
     if skin.get("inverseBindMatrices") is None:
-        return np.stack([_at_rest(nodes, joint) for joint in joints])
+        return joints, np.stack([_at_rest(nodes, joint) for joint in joints])
     what = f"skin {number}, inverseBindMatrices"
     flat = rows(container, skin["inverseBindMatrices"], "MAT4", what)
     if len(flat) != len(joints):
@@ -121,7 +121,7 @@ def _bind(container: Container, number: int, skin: dict[str, object], nodes: Nod
     size = np.abs(np.linalg.det(inverse[:, :3, :3]))
     if not ((size > 1e-18) & (size < 1e18)).all():
         raise container.error(f"{what}: a matrix has no inverse")
-    return np.asarray(np.linalg.inv(inverse), dtype=np.float64)
+    return joints, np.asarray(np.linalg.inv(inverse), dtype=np.float64)
 
 
 def _at_rest(nodes: Nodes, node: int) -> Array:

@@ -7,7 +7,7 @@ unchanged. Meshes that are no skin are what stands and what moves: `load_sequenc
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -235,6 +235,7 @@ def _scene(
 ) -> tuple[Scene, dict[str, ObjectTrack]]:
     """What stands and what moves around the people, and the record of the latter."""
     scene, tracks, axes = Scene(), {}, motion.axes
+    scale, options = scale * options.unit, replace(options, unit=1.0)
     joints = [node for rig in people for node in rig.nodes]
     for prop in props(file.container, file.nodes, animation, joints, times):
         mesh = type(prop.mesh)(prop.mesh.vertices * scale, prop.mesh.faces)
@@ -268,6 +269,8 @@ def _scene(
 
 FORMAT = Format(
     name=NAME,
+    about="animated skeletons of HUMOTO, Mixamo, Rokoko, Move.ai, Blender and hp.export",
+    invents="the person's shape, gender and model",
     expects="glTF 2.0 (.glb, .gltf) with an animation of a person's skeleton",
     sniff=_sniff,
     load=_load,

@@ -66,7 +66,13 @@ LAYERS = {
 #: modules beside them need only be free of cycles.
 SUBFOLDERS = {
     "baselines": {"engine": ""},
-    "formats": {"amass": "", "bvh": "", "datasets": "", "results": "amass"},
+    "formats": {
+        "amass": "",
+        "bvh": "",
+        "datasets": "",
+        "positions": "datasets",
+        "results": "amass",
+    },
     "render": {"film": ""},
     "scenarios": {"acting": "", "props": "acting", "stories": "acting props"},
     "sweep": {

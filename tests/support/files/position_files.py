@@ -33,7 +33,7 @@ def places(rotations: np.ndarray, pelvis: np.ndarray, bones: np.ndarray) -> np.n
     world = np.empty((frames, count, 3, 3))
     out = np.empty((frames, count, 3))
     for j in range(count):
-        own = Rotation.from_rotvec(rotations[:, j]).as_matrix()
+        own = Rotation.from_rotvec(np.array(rotations[:, j])).as_matrix()
         p = PARENTS[j]
         world[:, j] = own if j == 0 else world[:, p] @ own
         out[:, j] = pelvis if j == 0 else out[:, p] + world[:, p] @ bones[j]
@@ -53,7 +53,7 @@ def features(joints: np.ndarray, contacts: np.ndarray | None = None) -> np.ndarr
     """
     across = joints[:, 1] - joints[:, 2]
     heading = np.arctan2(-across[:, 2], across[:, 0])  # turned by this about y from facing +z
-    turns = Rotation.from_euler("y", heading).as_matrix()
+    turns = Rotation.from_rotvec(heading[:, None] * [0.0, 1.0, 0.0]).as_matrix()
     root = joints[:, 0]
     local = joints - root[:, None] * [1.0, 0.0, 1.0]
     local = np.einsum("tji,tkj->tki", turns, local)
@@ -71,19 +71,21 @@ def features(joints: np.ndarray, contacts: np.ndarray | None = None) -> np.ndarr
 def first_heading(joints: np.ndarray) -> np.ndarray:
     """The positions as features keep them: from x = z = 0, with the first frame facing +z."""
     across = joints[0, 1] - joints[0, 2]
-    turn = Rotation.from_euler("y", np.arctan2(-across[2], across[0])).as_matrix()
+    turn = Rotation.from_rotvec([0.0, np.arctan2(-across[2], across[0]), 0.0]).as_matrix()
     moved = joints - joints[0, 0] * [1.0, 0.0, 1.0]
     return moved @ turn
 
 
 def rows(rotations: np.ndarray) -> np.ndarray:
     """The first two rows of rotation matrices (..., 6)."""
-    matrices = Rotation.from_rotvec(rotations.reshape(-1, 3)).as_matrix()
+    matrices = Rotation.from_rotvec(np.array(rotations).reshape(-1, 3)).as_matrix()
     return matrices[:, :2].reshape(*rotations.shape[:-1], 6)
 
 
 def matrices(rotations: np.ndarray) -> np.ndarray:
     """Rotation matrices (..., 3, 3)."""
-    return Rotation.from_rotvec(rotations.reshape(-1, 3)).as_matrix().reshape(
-        *rotations.shape[:-1], 3, 3
+    return (
+        Rotation.from_rotvec(np.array(rotations).reshape(-1, 3))
+        .as_matrix()
+        .reshape(*rotations.shape[:-1], 3, 3)
     )

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from halfphysics.base.reader_warnings import warn
 from halfphysics.body.body import Body
-from halfphysics.errors import FileError
+from halfphysics.body.proportions import checked_bones
+from halfphysics.errors import FileError, InputError
 from halfphysics.formats.datasets.fingers_from_joints import fingers_from_joints
 from halfphysics.formats.datasets.shape_from_joints import Bones, default_like, world_turns
 from halfphysics.formats.format import Options
@@ -32,6 +33,9 @@ from halfphysics.simulation.sequence import Sequence
 
 Array = NDArray[np.float64]
 
+#: Bones of the spine: each model cuts it at other places. Lengths against the default body's, within
+#: what a body takes (`body.proportions.RATIOS`).
+_SPINE, _CUT = tuple(JOINT_INDEX[f"spine{k}"] for k in (1, 2, 3)), (0.3, 3.9)
 #: Legs of people from hip to ankle [m], and units in which they may be written.
 _LEG = (0.35, 1.3)
 _UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
@@ -133,11 +137,26 @@ def _body(where: str, places: Places, own: bool) -> tuple[Body, float]:
     if not places.fingers:
         bones[len(BODY) :] = np.nan
     offsets = rest - rest[np.maximum(skeleton.PARENTS, 0)]
+    bones = _plausible(where, bones, offsets, rest)
     if float(np.nanmax(np.linalg.norm(bones - offsets, axis=1))) < _SAME:
         return body, 1.0
     if own:
         return default_like(where, Bones(bones, 0.0)), 1.0
     return body, scale_for(leg(places.all))
+
+
+def _plausible(where: str, bones: Array, offsets: Array, rest: Array) -> Array:
+    """Bones (55, 3) that a person may have; those of a spine that is cut otherwise are limited."""
+    lengths = np.linalg.norm(bones, axis=1)
+    own = np.linalg.norm(offsets, axis=1)
+    for joint in _SPINE:
+        limited = float(np.clip(lengths[joint], _CUT[0] * own[joint], _CUT[1] * own[joint]))
+        way = bones[joint] / lengths[joint] if lengths[joint] > 0.0 else offsets[joint] / own[joint]
+        bones[joint] = limited * way
+    try:
+        return checked_bones(bones, rest)
+    except InputError as error:
+        raise FileError(f"{where}: no joint positions of a person: {error}") from None
 
 
 def scale_for(length: float) -> float:

@@ -33,8 +33,8 @@ from halfphysics.simulation.sequence import Sequence
 
 Array = NDArray[np.float64]
 
-#: Bones of the spine: each model cuts it at other places. Lengths against the default body's, within
-#: what a body takes (`body.proportions.RATIOS`).
+#: Bones of the spine, which each model cuts at other places: their lengths against the default
+#: body's, within what a body takes (`body.proportions.RATIOS`).
 _SPINE, _CUT = tuple(JOINT_INDEX[f"spine{k}"] for k in (1, 2, 3)), (0.3, 3.9)
 #: Legs of people from hip to ankle [m], and units in which they may be written.
 _LEG = (0.35, 1.3)

@@ -103,6 +103,23 @@ def test_units(tmp_path):
         assert errors(sequence, positions).mean() < MET
 
 
+def test_a_mirror_image_is_told(tmp_path):
+    """Of a left-handed world: x comes back negated, and knees bend as people's do."""
+    positions = truth()[:, :22]
+    path = written(tmp_path / "a.npy", positions * [-1.0, 1.0, 1.0])
+    with pytest.warns(hp.HalfPhysicsWarning, match="mirror image"):
+        sequence = hp.load_sequence(path)
+    assert errors(sequence, positions).mean() < MET
+
+
+def test_another_axis_up_is_told(tmp_path):
+    positions = truth()[:, :22]
+    path = written(tmp_path / "a.npy", z_up(positions))
+    with pytest.warns(hp.HalfPhysicsWarning, match="along z"):
+        hp.Motion.load(path)
+    assert errors(quiet(path, up="z"), positions).mean() < MET
+
+
 def test_smpls_palms_turn_the_wrists(tmp_path):
     full = truth()
     palms = []

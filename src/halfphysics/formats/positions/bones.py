@@ -65,6 +65,20 @@ def leg(places: Array) -> float:
     return float(np.median(np.linalg.norm(steps, axis=2).sum(axis=1) / 2.0))
 
 
+def facing(places: Array) -> float:
+    """Cosine between where hips and spine face and where the toes point: a median.
+
+    Near -1: a mirror image, or left and right in each other's place.
+    """
+    left, right, spine = (places[:, JOINT_INDEX[j]] for j in ("left_hip", "right_hip", "spine3"))
+    ahead = unit_of(np.cross(left - right, spine - 0.5 * (left + right)))
+    toes = [
+        places[:, JOINT_INDEX[f"{side}_foot"]] - places[:, JOINT_INDEX[f"{side}_ankle"]]
+        for side in ("left", "right")
+    ]
+    return float(np.median(np.einsum("ti,ti->t", ahead, unit_of(toes[0] + toes[1]))))
+
+
 def change(places: Array) -> float:
     """By how much the bones of arms and legs change their lengths, relative: a median."""
     lengths = np.linalg.norm(places[:, _LIMBS] - places[:, PARENTS[list(_LIMBS)]], axis=2)

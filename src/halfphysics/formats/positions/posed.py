@@ -22,7 +22,7 @@ from halfphysics.formats.datasets.fingers_from_joints import fingers_from_joints
 from halfphysics.formats.datasets.shape_from_joints import Bones, default_like, world_turns
 from halfphysics.formats.format import Options
 from halfphysics.formats.motion_builder import motion_of
-from halfphysics.formats.positions.bones import bones_of, change, leg
+from halfphysics.formats.positions.bones import bones_of, change, facing, leg
 from halfphysics.formats.positions.inverse_kinematics import Solved, solve
 from halfphysics.formats.positions.layouts import BODY, Places, fps_of, in_order
 from halfphysics.motion import skeleton
@@ -45,6 +45,8 @@ _RIGID = 0.35
 _SAME = 0.003
 #: Where legs differ less than this, relative, feet reach the floor without scaling.
 _NEAR = 0.1
+#: Toes that point so far from where the body faces (a cosine, over the clip) are of a mirror image.
+_BACK = -0.5
 _SIDES = ("left", "right")
 _HANDS = {"left": skeleton.LEFT_HAND_JOINTS, "right": skeleton.RIGHT_HAND_JOINTS}
 #: Bones that stand for a hand: SMPL's hand joint is a point of the palm, no knuckle.
@@ -100,6 +102,11 @@ def _posed(found: Found, options: Options, format: str, *, own: bool) -> tuple[M
         )
     rest = np.asarray(Body.default().rest_joints)
     places, unit = in_metres(where, in_order(positions, rest))
+    said = found.said
+    if facing(places.all) < _BACK:
+        places = places._replace(all=places.all * [-1.0, 1.0, 1.0])
+        mirrored = "toes point backwards: taken for a mirror image, x negated"
+        said = f"{said}; {mirrored}" if said else mirrored
     body, scale = _body(where, places, own)
     solved = _solved(places._replace(all=scale * places.all), np.asarray(body.rest_joints))
     fps = fps_of(positions.shape[1]) if found.fps is None else found.fps
@@ -108,7 +115,7 @@ def _posed(found: Found, options: Options, format: str, *, own: bool) -> tuple[M
         invented["hands"] = "fingers" if places.hands else "hands"
     if found.fps is None and options.fps is None:
         invented["fps"] = f"the rate ({fps:g} fps)"
-    lines = [found.said, f"joint positions put on {_described(body, scale)}"]
+    lines = [said, f"joint positions put on {_described(body, scale)}"]
     lines += ["" if unit == "m" else f"unit {unit}"]
     lines += [f"met to {1e3 * float(solved.errors.mean()):.0f} mm"]
     lines += [f"not in the file: {', '.join(invented.values())}"]

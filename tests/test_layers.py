@@ -72,6 +72,7 @@ SUBFOLDERS = {
         "bvh": "skeletons",
         "datasets": "",
         "gltf": "skeletons datasets",
+        "positions": "datasets",
         "results": "amass",
     },
     "render": {"film": ""},

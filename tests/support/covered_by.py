@@ -48,6 +48,11 @@ COVERED_BY = {
     "halfphysics/formats/*.py": "formats/test_round_trips.py formats/amass/test_fields.py",
     "halfphysics/formats/amass/*.py": "formats/amass/test_amass.py",
     "halfphysics/formats/bvh/*.py": "formats/bvh/test_bvh.py formats/skeletons/test_retarget.py",
+    "halfphysics/formats/positions/bones.py": "formats/positions/test_inverse_kinematics.py",
+    "halfphysics/formats/positions/first_guess.py": "formats/positions/test_inverse_kinematics.py",
+    "halfphysics/formats/positions/joint_priors.py": "formats/positions/test_inverse_kinematics.py",
+    "halfphysics/formats/positions/layouts.py": "formats/positions/test_joint_array.py",
+    "halfphysics/formats/positions/posed.py": "formats/positions/test_joint_array.py",
     "halfphysics/formats/datasets/arctic_object.py": "formats/datasets/test_arctic.py",
     "halfphysics/formats/datasets/assets.py": (
         "formats/datasets/test_grab.py formats/datasets/test_omomo.py"

@@ -48,6 +48,7 @@ from halfphysics.formats.floor import motion_on_floor, on_floor
 from halfphysics.formats.format import Assets, Format, Options, Source
 from halfphysics.formats.gltf import gltf
 from halfphysics.formats.people import Track, chosen, together
+from halfphysics.formats.positions import humanml, joint_array, kimodo, mdm, mdm_smpl
 from halfphysics.motion.motion import GENDERS, MODELS, Motion
 
 if TYPE_CHECKING:
@@ -98,6 +99,11 @@ FORMATS: dict[str, Format] = {
         trumans_release.FORMAT,
         omomo.FORMAT,
         intermimic.FORMAT,
+        mdm.FORMAT,
+        mdm_smpl.FORMAT,
+        humanml.FORMAT,
+        joint_array.FORMAT,
+        kimodo.FORMAT,
         blender.FORMAT,
         bvh.FORMAT,
         gltf.FORMAT,

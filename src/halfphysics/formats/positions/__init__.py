@@ -1,0 +1,1 @@
+"""Joint positions become motions, and the readers of files that hold them."""

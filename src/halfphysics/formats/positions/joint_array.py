@@ -1,0 +1,65 @@
+"""Joint positions in `.npy`: (T, J, 3), or several clips (N, T, J, 3); y up, metres.
+
+What HumanML3D's `new_joints/*.npy`, MoMask (`joints/<k>/sample*_repeat*_len*.npy`), T2M-GPT,
+MotionGPT, FlowMDM, MLD and others write. J = 22: SMPL's first joints; 24: SMPL's; 21: KIT-ML's;
+52, 55: SMPL-H's and SMPL-X's (`layouts`). The files have no rate: 20 fps, KIT-ML 12.5. A leading
+person or clip axis names its clips "0", "1", ...; a folder of such files is a library of clips.
+"""
+
+from __future__ import annotations
+
+from halfphysics.errors import FileError
+from halfphysics.formats.checked_fields import Record
+from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.positions.layouts import LAYOUTS
+from halfphysics.formats.positions.posed import Found, as_motion, as_sequence
+from halfphysics.motion.motion import Motion
+from halfphysics.simulation.sequence import Sequence
+
+NAME = "joints"
+_FIELD = "array"
+
+
+def _sniff(source: Source) -> bool:
+    npy = source.npy
+    if npy is None or npy.dtype.kind not in "fiu" or len(npy.shape) not in (3, 4):
+        return False
+    return npy.shape[-1] == 3 and npy.shape[-2] in LAYOUTS
+
+
+def _clips(source: Source) -> list[str]:
+    npy = source.npy
+    several = npy is not None and len(npy.shape) == 4
+    return [str(k) for k in range(npy.shape[0])] if npy is not None and several else ["0"]
+
+
+def _found(source: Source, options: Options) -> Found:
+    npy = source.npy
+    if npy is None:
+        raise FileError(f"{source.path}: no array of joint positions")
+    array, where = npy.array, str(source.path)
+    if array.ndim == 4:
+        array, where = array[int(options.clip)], f"{where}, clip {options.clip!r}"
+    record = Record(where, {_FIELD: array})
+    return Found(where, record.array(_FIELD, None, array.shape[1], 3, frames=options.frames))
+
+
+def _load(source: Source, options: Options) -> Motion:
+    return as_motion(_found(source, options), options, NAME)
+
+
+def _load_sequence(source: Source, options: Options) -> Sequence:
+    return as_sequence(_found(source, options), options, NAME)
+
+
+FORMAT = Format(
+    name=NAME,
+    about="joint positions, as HumanML3D, MoMask and other generators of motion write them",
+    expects=".npy of joint positions (T, 22, 3), or of 21, 24, 52 or 55 joints, or (N, T, J, 3)",
+    invents="turns of bones about themselves, hands, shape, frame rate (20; KIT 12.5)",
+    sniff=_sniff,
+    load=_load,
+    load_sequence=_load_sequence,
+    clips=_clips,
+    up="y",
+)

@@ -51,15 +51,20 @@ def test_the_line_between_two_palms_is_in_both_cones(carry):
 
 
 def test_hands_below_a_tray_go_on_until_its_weight_is_above_them():
-    """Recorded at its near edge, 11 cm short of the middle, where finger tips alone would bear."""
+    """Recorded at its near edge, 12 cm short of the middle, where finger tips alone would bear.
+
+    On until the fingers bear, and no farther: a forearm from above would meet the edge.
+    """
     made = recording(Case("tray", way="up", ends="air"))
     sequence = made.sequence()
     body, thing = sequence.body, Thing.of(sequence.scene.objects["tray"], made.track)
-    (hold,) = recorded_holds(sequence.motion, body, [Hand.of(body, side) for side in SIDES], thing)
-    for place in places(sequence.motion, body, hold, FRICTION):
+    motion = sequence.motion
+    motion = motion.with_frames(motion.translation - [0.03, 0.0, 0.0], motion.rotations)
+    (hold,) = recorded_holds(motion, body, [Hand.of(body, side) for side in SIDES], thing)
+    for place in places(motion, body, hold, FRICTION):
         assert not place.presses.any()
         short = thing.item.com[0] - place.point[0]
-        assert -0.02 < short < 0.08 < thing.item.com[0] - place.seen[0]
+        assert -0.02 < short < 0.10 < thing.item.com[0] - place.seen[0]
 
 
 def test_palms_stay_where_they_were_recorded(carry):

@@ -41,7 +41,9 @@ def test_it_lets_go_as_recorded():
     t = Timing.of(hold(), FIRST - 30, FRAMES, FPS)
     assert t.presses[LAST - int(timing.FALLS * FPS)] == pytest.approx(1.0)
     assert t.presses[LAST] == pytest.approx(0.0, abs=ROUNDING)
-    assert 0.5 < t.closed[LAST + int(0.1 * FPS)] < 0.9
+    assert t.closed[LAST - int(timing.OPENS * FPS)] == pytest.approx(1.0)
+    assert 0.5 < t.closed[LAST] < 0.9
+    assert t.closed[LAST + int(timing.OPENING * FPS)] == pytest.approx(0.0, abs=ROUNDING)
 
 
 def test_what_is_thrown_is_held_until_shortly_before():
@@ -62,6 +64,16 @@ def test_fingers_that_nobody_recorded_let_go_where_the_thing_rests():
     gone = rests + int(timing.UNSEEN * FPS)
     assert seen.presses[gone] == pytest.approx(1.0)
     assert unseen.presses[gone] == pytest.approx(0.0, abs=ROUNDING)
+
+
+def test_a_flat_hand_lets_go_before_it_leaves():
+    """It leaves with open fingers; not before the thing rests."""
+    for rests in (LAST - int(0.4 * FPS), LAST - int(0.15 * FPS)):
+        t = Timing.of(hold(rests=rests), FIRST, FRAMES, FPS, grasps=True, unseen=True)
+        gone = max(rests, LAST - int(timing.OPEN_BEFORE * FPS))
+        assert t.presses[gone - int(timing.FALLS * FPS)] == pytest.approx(1.0)
+        assert t.presses[gone] < 0.6
+        assert t.presses[gone + int(timing.THROWS * FPS)] == pytest.approx(0.0, abs=ROUNDING)
 
 
 def test_a_clip_that_starts_shortly_before_starts_as_recorded():

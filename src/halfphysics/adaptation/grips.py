@@ -45,8 +45,9 @@ _ROUND = 0.6
 #: Fingers that never turn by more than this [rad] were not recorded.
 _STRAIGHT = 1e-3
 #: Hands bear from below what weighs between these from the middles of their palms towards the
-#: fingers [m]; a pair costs as what is beyond over the last [m].
-_BEARS, _TIPS = (-0.02, 0.05), 0.01
+#: fingers [m]; a pair costs as what is beyond over the last [m]. Farther below a tray a forearm
+#: that comes from above meets the edge and pushes it; farther out the fingers give way.
+_BEARS, _TIPS = (-0.02, 0.085), 0.01
 #: Rounds in which a palm is laid on the surface, by no more than this [m].
 _LAYS, _LAID = 3, 0.03
 #: A line leaves this share of the cone of friction unused, at least.

@@ -4,7 +4,7 @@ comes      within 0.5 s, from its recorded way to that, shifted
 closes     0.4 s, until 0.3 s before the thing moves: the palm onto the surface, fingers around
 presses    a rise of 0.4 s, in full 0.15 s before the thing moves
 lets go    over the last 0.3 s in which the thing rests in the hands, or 0.1 s around their end
-leaves     the surface within 0.35 s, and is on its recorded way again after 0.65 s
+leaves     the surface from 0.15 s before that to 0.25 s after; on its recorded way after 0.65 s
 
 All are as slow as they can be: a hand that jerks pushes what it should hold.
 """
@@ -41,13 +41,16 @@ AHEAD, RISES = 0.15, 0.4
 #: Its force falls within this time until it lets go, from when the thing rests; within the second,
 #: around that moment, where it does not rest [s].
 FALLS, THROWS = 0.3, 0.1
-#: Palm and fingers leave the surface from this before they let go on, within the second [s].
-OPENS, OPENING = 0.05, 0.4
-#: The same of fingers that grasp: they have farther to go.
-GRASP_OPENS, GRASP_OPENING = 0.15, 0.4
+#: Palm and fingers leave the surface from this before they let go on, within the second [s]; a hand
+#: that has sunk in by a centimetre is off it in time.
+OPENS, OPENING = 0.15, 0.4
+#: Palms between which a thing does not rest leave from this before on [s].
+THROWS_OPENS = 0.05
 #: A grasp whose fingers were not recorded lets go so long after the thing rests [s], if the hand
 #: has not left it before: nobody recorded that its fingers opened.
 UNSEEN = 0.5
+#: And so long before the recorded hand leaves: it leaves with open fingers, at the latest [s].
+OPEN_BEFORE = 0.3
 #: A hand is back on its recorded way within the second, from the first after it let go on [s].
 LEAVES, GOES = 0.1, 0.55
 
@@ -106,12 +109,12 @@ class Timing:
         if not hold.kept:
             last, rests = hold.last / fps, hold.rests / fps
             if grasps and unseen:
-                last = min(last, rests + UNSEEN)
+                last = max(rests, min(last - OPEN_BEFORE, rests + UNSEEN))
             after = time - last
             falls, late = (FALLS, 0.0) if rests < last - THROWS else (THROWS, 0.5 * THROWS)
             presses *= 1.0 - ease((after - late) / falls + 1.0)
-            ahead, lasts = (GRASP_OPENS, GRASP_OPENING) if grasps else (OPENS, OPENING)
-            opens = 1.0 - ease((after + ahead) / lasts)
+            ahead = OPENS if late == 0.0 or grasps else THROWS_OPENS
+            opens = 1.0 - ease((after + ahead) / OPENING)
             fixed *= opens
             closed *= opens
             share *= 1.0 - ease((after - LEAVES) / GOES)

@@ -66,7 +66,7 @@ LAYERS = {
 #: modules beside them need only be free of cycles.
 SUBFOLDERS = {
     "baselines": {"engine": ""},
-    "formats": {"amass": "", "bvh": "", "datasets": "", "results": "amass"},
+    "formats": {"amass": "", "bvh": "", "datasets": "", "results": "amass", "video": ""},
     "render": {"film": ""},
     "scenarios": {"acting": "", "props": "acting", "stories": "acting props"},
     "sweep": {

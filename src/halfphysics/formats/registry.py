@@ -15,7 +15,7 @@ from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import body as checked_body
 from halfphysics.base.validation import file_path, frame_rate, number, shown
 from halfphysics.errors import FileError, InputError
-from halfphysics.formats import blender, emage, hymotion, smpl_codec
+from halfphysics.formats import blender, emage, hymotion, plain, smpl_codec
 from halfphysics.formats.amass import smpl as amass_smpl
 from halfphysics.formats.amass import smplh as amass_smplh
 from halfphysics.formats.amass import smplx as amass_smplx
@@ -37,6 +37,19 @@ from halfphysics.formats.datasets.ground import add_ground, needs_ground
 from halfphysics.formats.floor import motion_on_floor, on_floor
 from halfphysics.formats.format import Assets, Format, Options, Source
 from halfphysics.formats.people import Track, chosen, together
+from halfphysics.formats.video import (
+    bedlam,
+    comotion,
+    gvhmr,
+    mcs,
+    phalp,
+    prompthmr,
+    romp,
+    slahmr,
+    smplerx,
+    tram,
+    wham,
+)
 from halfphysics.motion.motion import GENDERS, MODELS, Motion
 
 if TYPE_CHECKING:
@@ -61,6 +74,7 @@ __all__ = [
 FORMATS: dict[str, Format] = {
     format.name: format
     for format in (
+        slahmr.FORMAT,  # before AMASS, which has fields of the same names
         behave.FORMAT,  # before AMASS, which has fields of the same names and another axis up
         core4d.FORMAT,
         emage.FORMAT,  # before AMASS, too
@@ -73,7 +87,18 @@ FORMATS: dict[str, Format] = {
         motionx.FORMAT,
         arctic.FORMAT,
         smpl_codec.FORMAT,
+        gvhmr.FORMAT,
+        wham.FORMAT,
+        prompthmr.FORMAT,
+        mcs.FORMAT,
+        tram.FORMAT,
+        phalp.FORMAT,
+        comotion.FORMAT,
+        romp.FORMAT,
+        smplerx.FORMAT,
+        bedlam.FORMAT,
         trumans_clip.FORMAT,
+        plain.FORMAT,  # after the data sets whose files have these names, too
         trumans_release.FORMAT,
         omomo.FORMAT,
         intermimic.FORMAT,

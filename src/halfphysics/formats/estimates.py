@@ -7,6 +7,8 @@ told in one line, and kept in `Motion.origin.fields["invented"]`.
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Callable, Mapping
 from collections.abc import Sequence as Listing
 from dataclasses import dataclass
@@ -75,6 +77,8 @@ def tracked(
     name: str,
     expects: str,
     *,
+    about: str,
+    invents: str,
     sniff: Callable[[Source], bool],
     people: Callable[[Source], dict[str, Seen]],
     read: Callable[[Seen, Options], Motion],
@@ -82,7 +86,7 @@ def tracked(
     """The format of an estimator's files.
 
     Args:
-        name, expects, sniff: As of `Format`.
+        name, expects, about, invents, sniff: As of `Format`.
         people: The people of a file by name; looked for once per file.
         read: The motion of one of them.
     """
@@ -98,7 +102,32 @@ def tracked(
             raise FileError(f"{source.path}: found nobody in it, expected at least one person")
         return read(found[key], options)
 
-    return Format(name=name, expects=expects, sniff=sniff, load=load, people=tracks)
+    return Format(
+        name=name,
+        about=about,
+        expects=expects,
+        invents=invents,
+        sniff=sniff,
+        load=load,
+        people=tracks,
+    )
+
+
+def grouped(ids: Array) -> dict[str, NDArray[np.intp]]:
+    """Rows of each person, by name, from the numbers (M,) of the people in all rows."""
+    names, inverse = np.unique(ids, return_inverse=True)
+    order = np.argsort(inverse, kind="stable")
+    ends = np.cumsum(np.bincount(inverse, minlength=len(names)))
+    return {f"{name:g}": rows for name, rows in zip(names, np.split(order, ends[:-1]), strict=True)}
+
+
+def files_in(folder: Path, pattern: re.Pattern[str]) -> list[tuple[re.Match[str], Path]]:
+    """The files of a folder whose names fit; none of a folder that cannot be listed."""
+    try:
+        names = sorted(os.listdir(folder))
+    except OSError:
+        return []
+    return [(match, folder / name) for name in names if (match := pattern.fullmatch(name))]
 
 
 def once(build: Callable[[Source], T]) -> Callable[[Source], T]:

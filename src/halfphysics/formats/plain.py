@@ -134,6 +134,8 @@ def _up(rotations: NDArray[np.float64], options: Options) -> tuple[Up, dict[str,
 
 FORMAT = Format(
     name=NAME,
+    about="the parameter names of the smplx package, as most scripts dump them",
+    invents="frame rate, up axis, floor, flat or relaxed hands",
     expects="npz, pkl, json or pt with global_orient (T, 3), body_pose (T, 63 or 69), transl",
     sniff=_sniff,
     load=_load,

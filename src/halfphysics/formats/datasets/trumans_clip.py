@@ -98,7 +98,7 @@ def _save(motion: Motion, path: Path, body: Body | None) -> None:
 
 FORMAT = Format(
     name=NAME,
-    about="TRUMANS, one clip, and others with the names of the smplx package",
+    about="TRUMANS: one clip",
     invents="the frame rate (30)",
     expects="pkl with global_orient (T, 3), body_pose (T, 63), transl (T, 3)",
     sniff=_sniff,

@@ -91,6 +91,8 @@ def _read(who: Seen, options: Options) -> Motion:
 FORMAT = tracked(
     NAME,
     "npz of images with imgname, sub, pose_world (M, 165), trans_world (M, 3), shape",
+    about="BEDLAM's images and their people",
+    invents="floor, where people are to each other",
     sniff=_sniff,
     people=_people,
     read=_read,

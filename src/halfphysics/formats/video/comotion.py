@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from halfphysics.formats.checked_fields import Record
-from halfphysics.formats.estimates import CAMERA, FLOOR, Seen, estimated, seen, tracked
+from halfphysics.formats.estimates import CAMERA, FLOOR, Seen, estimated, grouped, seen, tracked
 from halfphysics.formats.format import Options, Source
 from halfphysics.formats.mean_shape import mean_shape
 from halfphysics.formats.motion_builder import same_length
@@ -34,10 +34,10 @@ def _people(source: Source) -> dict[str, Seen]:
         rows["betas"] = record.array("betas", None, *np.shape(record.raw("betas"))[1:])
     lengths = {key: len(value) for key, value in rows.items()}
     same_length(record.where, {"id": len(ids), "frame_idx": len(numbers), **lengths})
-    found = {}
-    for who in dict.fromkeys(ids.tolist()):
-        own = ids == who
-        found[f"{who:g}"] = numbers[own], {key: value[own] for key, value in rows.items()}
+    found = {
+        name: (numbers[own], {key: value[own] for key, value in rows.items()})
+        for name, own in grouped(ids).items()
+    }
     return seen(source.path, found)
 
 
@@ -61,6 +61,8 @@ def _read(who: Seen, options: Options) -> Motion:
 FORMAT = tracked(
     NAME,
     "pt with id, frame_idx (M,), pose (M, 72), trans (M, 3), betas (M, 10)",
+    about="CoMotion: people of a video",
+    invents="frame rate, fingers, floor, the world (it is the camera's frame)",
     sniff=_sniff,
     people=_people,
     read=_read,

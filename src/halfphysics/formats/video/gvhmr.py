@@ -55,6 +55,8 @@ def _load(source: Source, options: Options) -> Motion:
 
 FORMAT = Format(
     name=NAME,
+    about="GVHMR: a person of a video",
+    invents="frame rate, hands, floor",
     expects="pt with smpl_params_global: body_pose (T, 63), global_orient, transl, betas",
     sniff=_sniff,
     load=_load,

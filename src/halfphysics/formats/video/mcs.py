@@ -100,6 +100,8 @@ def _read(who: Seen, options: Options) -> Motion:
 FORMAT = tracked(
     NAME,
     "glTF JSON with MC_scene_description: smpl_bodies, each a .smpl file in base64",
+    about="people and a camera of PromptHMR and Meshcapade",
+    invents="fingers, where it has none",
     sniff=_sniff,
     people=_people,
     read=_read,

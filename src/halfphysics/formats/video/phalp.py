@@ -98,6 +98,8 @@ def _read(who: Seen, options: Options) -> Motion:
 FORMAT = tracked(
     NAME,
     "pkl of frames with tid, camera and smpl: body_pose (23, 3, 3), global_orient, betas",
+    about="PHALP and 4D-Humans: people of a video",
+    invents="frame rate, fingers, floor, the world (it is the camera's frame)",
     sniff=_sniff,
     people=_people,
     read=_read,

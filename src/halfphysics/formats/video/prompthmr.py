@@ -80,6 +80,8 @@ def _read(who: Seen, options: Options) -> Motion:
 FORMAT = tracked(
     NAME,
     "pkl with people: frames (N,), smplx_world with pose (N, 165), shape, trans",
+    about="PromptHMR: people of a video",
+    invents="frame rate",
     sniff=_sniff,
     people=_people,
     read=_read,

@@ -28,6 +28,7 @@ from halfphysics.formats.estimates import (
     Seen,
     estimated,
     from_hips,
+    grouped,
     once,
     rest_joints,
     seen,
@@ -90,10 +91,10 @@ def _by_row(source: Source, outputs: Mapping[Any, Any]) -> dict[str, Seen]:
             f"{source.path}: fields of different length: found track_ids {len(ids)}, "
             f"reorganize_idx {len(numbers)}, {lengths}; expected one row for each person and frame"
         )
-    found = {}
-    for who in dict.fromkeys(ids.tolist()):
-        own = ids == who
-        found[f"{who:g}"] = numbers[own], {key: value[own] for key, value in rows.items()}
+    found = {
+        name: (numbers[own], {key: value[own] for key, value in rows.items()})
+        for name, own in grouped(ids).items()
+    }
     return seen(source.path, found)
 
 
@@ -175,6 +176,8 @@ def _read(who: Seen, options: Options) -> Motion:
 FORMAT = tracked(
     NAME,
     "npz with results or outputs: smpl_thetas (N, 72), smpl_betas, cam_trans (N, 3)",
+    about="ROMP, BEV and TRACE: people of an image or a video",
+    invents="frame rate, fingers, floor, the world (it is the camera's frame), the hips",
     sniff=_sniff,
     people=_people,
     read=_read,

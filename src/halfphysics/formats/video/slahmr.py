@@ -150,6 +150,8 @@ def _on_floor(motion: Motion, plane: Array) -> Motion:
 FORMAT = tracked(
     NAME,
     "npz with trans, root_orient (B, T, 3), pose_body (B, T, 63), betas (B, 16), floor_plane",
+    about="SLAHMR: people of a video",
+    invents="fingers",
     sniff=_sniff,
     people=_people,
     read=_read,

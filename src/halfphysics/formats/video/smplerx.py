@@ -16,7 +16,16 @@ import numpy as np
 
 from halfphysics.base.npz import Npz
 from halfphysics.base.reader_warnings import warn
-from halfphysics.formats.estimates import CAMERA, FLOOR, Seen, estimated, relaxed, seen, tracked
+from halfphysics.formats.estimates import (
+    CAMERA,
+    FLOOR,
+    Seen,
+    estimated,
+    files_in,
+    relaxed,
+    seen,
+    tracked,
+)
 from halfphysics.formats.format import Options, Source
 from halfphysics.formats.smplx_params import is_params, parts_of, stacked
 from halfphysics.motion.motion import Motion
@@ -31,9 +40,8 @@ def _files(source: Source) -> dict[str, list[tuple[int, Path]]]:
     inside = source.path / _FOLDER
     folder = inside if inside.is_dir() else source.path
     found: dict[str, list[tuple[int, Path]]] = {}
-    for path in folder.iterdir():
-        if match := _FILE.fullmatch(path.name):
-            found.setdefault(match[2], []).append((int(match[1]), path))
+    for match, path in files_in(folder, _FILE):
+        found.setdefault(match[2], []).append((int(match[1]), path))
     return {who: sorted(found[who]) for who in sorted(found, key=int)}
 
 
@@ -78,6 +86,8 @@ def _read(who: Seen, options: Options) -> Motion:
 FORMAT = tracked(
     NAME,
     "a folder with smplx/00001_0.npz: global_orient (1, 3), body_pose (21, 3), transl",
+    about="SMPLer-X: people of a video, a file for each frame",
+    invents="frame rate, relaxed hand, floor, the world (it is the camera's frame), who is who",
     sniff=_sniff,
     people=_people,
     read=_read,

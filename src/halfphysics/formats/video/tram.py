@@ -25,7 +25,9 @@ from halfphysics.formats.estimates import (
     Seen,
     by_camera,
     estimated,
+    files_in,
     rest_joints,
+    seen,
     tracked,
 )
 from halfphysics.formats.format import Options, Source
@@ -45,8 +47,8 @@ _ROTATION, _PLACE = "world_cam_R", "world_cam_T"
 def _files(source: Source) -> list[Path]:
     """The tracks in a folder, by number."""
     folder = source.path / _FOLDER if (source.path / _FOLDER).is_dir() else source.path
-    found = [(match, path) for path in folder.iterdir() if (match := _TRACK.fullmatch(path.name))]
-    return [path for match, path in sorted(found, key=lambda pair: int(pair[0][1]))]
+    found = sorted(files_in(folder, _TRACK), key=lambda pair: int(pair[0][1]))
+    return [path for _, path in found]
 
 
 def _sniff(source: Source) -> bool:
@@ -64,10 +66,9 @@ def _people(source: Source) -> dict[str, Seen]:
         if not isinstance(data, dict):
             raise FileError(f"{path}: found a {type(data).__name__}, expected a dict of tensors")
         match = _TRACK.fullmatch(path.name)
-        record = Record(path, {**data, **_camera(path)})
-        numbers = np.asarray(record.raw("frame", "(N,)")).reshape(-1)
-        found[match[1] if match else path.stem] = Seen(numbers, record)
-    return found
+        numbers = np.asarray(Record(path, data).raw("frame", "(N,)")).reshape(-1)
+        found[match[1] if match else path.stem] = numbers, {**data, **_camera(path)}
+    return seen(source.path, found)
 
 
 def _camera(track: Path) -> dict[str, Any]:
@@ -125,6 +126,8 @@ def _read(who: Seen, options: Options) -> Motion:
 FORMAT = tracked(
     NAME,
     "a folder with hps/hps_track_0.npy (pred_rotmat (N, 24, 3, 3), pred_trans, frame), camera.npy",
+    about="TRAM: people of a video",
+    invents="frame rate, fingers, floor, the pelvis at rest",
     sniff=_sniff,
     people=_people,
     read=_read,

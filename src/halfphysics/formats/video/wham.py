@@ -74,6 +74,8 @@ def _read(who: Seen, options: Options) -> Motion:
 FORMAT = tracked(
     NAME,
     "pkl of tracks with pose_world (T, 72), trans_world (T, 3), betas (T, 10), frame_ids (T,)",
+    about="WHAM: people of a video",
+    invents="frame rate, fingers, floor, the hips",
     sniff=_sniff,
     people=_people,
     read=_read,

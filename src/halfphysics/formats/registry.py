@@ -45,6 +45,7 @@ from halfphysics.formats.video import (
     phalp,
     prompthmr,
     romp,
+    sam3d,
     slahmr,
     smplerx,
     tram,
@@ -467,6 +468,8 @@ def unknown(source: Source) -> FileError:
         return FileError(
             f"{source.path}: this is a body model, expected a motion. Load it with Body.load"
         )
+    if (refusal := sam3d.refusal(source)) is not None:
+        return refusal
     known = "; ".join(
         f"{format.name}: {format.expects}" for format in FORMATS.values() if format.sniff
     )

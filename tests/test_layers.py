@@ -74,6 +74,7 @@ SUBFOLDERS = {
         "gltf": "skeletons datasets",
         "positions": "datasets",
         "results": "amass",
+        "video": "",
     },
     "render": {"film": ""},
     "scenarios": {"acting": "", "props": "acting", "stories": "acting props"},

@@ -14,7 +14,17 @@ import pytest
 from halfphysics.base import stored_objects as stored
 from halfphysics.base import torch_file
 from halfphysics.errors import FileError
-from support.files.dumps import Named, Tensor, Wrapper, joblib_dump, torch_saved
+from support.files.dumps import (
+    Inline,
+    Named,
+    Tensor,
+    Wrapper,
+    joblib_dump,
+    npy_of,
+    old_torch_bytes,
+    pickled,
+    torch_saved,
+)
 from support.files.wrong_files import Boom
 
 # -- torch -------------------------------------------------------------------------------------
@@ -82,10 +92,60 @@ def test_torch_files_that_reach_outside(tmp_path, tensor):
 
 
 def test_old_torch_files(tmp_path):
+    """Before torch 1.6: pickles in a row; two tensors are views of one storage."""
+    numbers = np.arange(24.0, dtype=np.float32)
+    data = {
+        "turned": Tensor("0", "FloatStorage", 24, (6, 4), (1, 6)),
+        "part": Tensor("0", "FloatStorage", 24, (2, 3), (6, 1), 7),
+        "flags": Tensor("1", "BoolStorage", 3, (3,), (1,)),
+        "n": 7,
+    }
+    good = old_torch_bytes(data, {"0": numbers, "1": np.array([True, False, True])})
     path = tmp_path / "old.pt"
-    path.write_bytes(pickle.dumps(torch_file.OLD_MAGIC))
-    with pytest.raises(FileError, match=r"torch before 1\.6"):
+    path.write_bytes(good)
+    found = stored.read(path)
+    assert np.array_equal(found["turned"], numbers.reshape(4, 6).T)
+    assert np.array_equal(found["part"], numbers[7:19].reshape(2, 6)[:, :3])
+    assert found["flags"].tolist() == [True, False, True]
+    assert found["n"] == 7
+    for length in np.linspace(1, len(good) - 1, 40).astype(int):
+        path.write_bytes(good[:length])
+        with pytest.raises(FileError, match=r"old\.pt"):
+            stored.read(path)
+
+
+def test_tensors_inside_other_pickles(tmp_path):
+    """As TRAM has them: numpy's pickle, and the bytes of each storage within."""
+    grid = np.arange(12.0, dtype=np.float32).reshape(3, 4)
+    path = npy_of(tmp_path / "a.npy", {"grid": Inline(grid), "turned": Inline(grid.T), "n": 3})
+    found = stored.read(path)
+    assert np.array_equal(found["grid"], grid)
+    assert np.array_equal(found["turned"], grid.T)
+    assert found["n"] == 3
+
+
+@pytest.mark.parametrize("inner", [b"", b"text", pickle.dumps(1), pickle.dumps({"a": 1})])
+def test_bytes_that_are_no_storage(tmp_path, inner):
+    """Whatever calls itself a storage, is none: one message, nothing run."""
+    path = tmp_path / "a.pkl"
+    call = pickle.GLOBAL + b"torch.storage\n_load_from_bytes\n"
+    path.write_bytes(pickle.PROTO + b"\x02" + call + pickle.dumps((inner,), 2)[2:-1] + b"R.")
+    with pytest.raises(FileError, match="torch"):
         stored.read(path)
+
+
+def test_a_storage_within_a_storage_is_refused(tmp_path):
+    """Each is read twice: nested, the time would double with every level."""
+    path, inner = tmp_path / "a.pkl", pickled(Inline(np.zeros(2)))
+    path.write_bytes(old_torch_bytes({"x": Inline(np.zeros(2))}, {}))
+    with pytest.raises(FileError, match="_load_from_bytes"):
+        stored.read(path)
+    assert stored.read(_written(tmp_path / "b.pkl", inner)).tolist() == [0.0, 0.0]
+
+
+def _written(path, data):
+    path.write_bytes(data)
+    return path
 
 
 # -- joblib ------------------------------------------------------------------------------------

@@ -24,6 +24,7 @@ COVERED_BY = {
     "halfphysics/base/digests.py": "sweep/store/test_sources.py",
     "halfphysics/base/document_*.py": "scene/test_scene_file.py sweep/plan/test_plan_file.py",
     "halfphysics/base/field_checks.py": "base/test_validation.py sweep/plan/test_plan.py",
+    "halfphysics/base/foreign_json.py": "formats/video/test_video.py formats/test_plain.py",
     "halfphysics/base/npy.py": "base/test_npz.py formats/datasets/test_arctic.py",
     "halfphysics/base/pickle_placeholders.py": "base/test_restricted_pickle.py",
     "halfphysics/base/torch_file.py": "base/test_stored_objects.py",
@@ -53,6 +54,11 @@ COVERED_BY = {
     "halfphysics/formats/positions/joint_priors.py": "formats/positions/test_inverse_kinematics.py",
     "halfphysics/formats/positions/layouts.py": "formats/positions/test_joint_array.py",
     "halfphysics/formats/positions/posed.py": "formats/positions/test_joint_array.py",
+    "halfphysics/formats/estimates.py": "formats/video/test_video.py",
+    "halfphysics/formats/mean_shape.py": "formats/video/test_video.py formats/test_plain.py",
+    "halfphysics/formats/rotation_forms.py": "formats/test_plain.py",
+    "halfphysics/formats/smplx_params.py": "formats/test_plain.py",
+    "halfphysics/formats/video/*.py": "formats/video/test_video.py",
     "halfphysics/formats/datasets/arctic_object.py": "formats/datasets/test_arctic.py",
     "halfphysics/formats/datasets/assets.py": (
         "formats/datasets/test_grab.py formats/datasets/test_omomo.py"

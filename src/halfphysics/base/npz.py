@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import lzma
 import math
 import os
@@ -34,16 +35,21 @@ DAMAGE = (
 class Npz(Mapping[str, NDArray[Any]]):
     """The arrays of an `.npz` file, each read on access.
 
+    Args:
+        path: The file, or the name in messages of `data`.
+        data: The bytes of an archive within another file; None: those of the file.
+
     Raises:
         FileError: The file is not a readable archive, is truncated, is absurdly large, or an
             array in it is damaged or holds Python objects (those are pickles: never read).
     """
 
-    def __init__(self, path: str | os.PathLike[str]) -> None:
+    def __init__(self, path: str | os.PathLike[str], data: bytes | None = None) -> None:
         self.path = Path(path)
+        self._data = data
         self._members: dict[str, zipfile.ZipInfo] = {}
         try:
-            with zipfile.ZipFile(self.path) as archive:
+            with zipfile.ZipFile(self._file()) as archive:
                 infos = archive.infolist()
         except DAMAGE as error:
             raise FileError(
@@ -124,9 +130,12 @@ class Npz(Mapping[str, NDArray[Any]]):
             "file again"
         )
 
+    def _file(self) -> Path | io.BytesIO:
+        return self.path if self._data is None else io.BytesIO(self._data)
+
     def _open(self, key: str) -> IO[bytes]:
         try:
-            with zipfile.ZipFile(self.path) as archive:
+            with zipfile.ZipFile(self._file()) as archive:
                 return archive.open(self._members[key])
         except DAMAGE as error:
             raise self._damaged(key, str(error)) from None

@@ -87,7 +87,7 @@ class _Unpickler(_PythonUnpickler):  # type: ignore[misc]
             target.read(self._stream, self._nested)
 
     def _nested(self, stream: io.BytesIO) -> Any:
-        return _Unpickler(stream, depth=self._depth + 1).load()
+        return _Unpickler(stream, self._guests, self._depth + 1).load()
 
     def load_bytearray8(self) -> None:
         # The original allocates the size that the file claims before it reads.
@@ -152,8 +152,15 @@ def loads(
     Raises:
         FileError: It holds or calls anything but data, or is damaged or truncated.
     """
+    return load_from(io.BytesIO(data), name, guests)
+
+
+def load_from(
+    stream: io.BytesIO, name: str | os.PathLike[str] = "pickle", guests: Guests | None = None
+) -> Any:
+    """The data of the next pickle in a stream, which is left right behind it; as `loads`."""
     try:
-        return _settled(_Unpickler(io.BytesIO(data), guests).load())
+        return _settled(_Unpickler(stream, guests).load())
     except Refused as refused:
         raise FileError(
             f"{name}: unsafe or unknown content: the pickle names {refused}. Read are only numpy "

@@ -57,14 +57,12 @@ def read(path: Path) -> Any:
             data = handle.read()
     except OSError as error:
         raise FileError(f"{path}: cannot read: {error.strerror}") from None
-    content = restricted_pickle.loads(_unpacked(path, data), path)
+    data = _unpacked(path, data)
+    content = restricted_pickle.loads(data, path, torch_file.INLINE)
     if head == _NPY and getattr(content, "size", 0) == 1:
         return content.item()  # numpy.save of a dict
     if isinstance(content, int) and content == torch_file.OLD_MAGIC:
-        raise FileError(
-            f"{path}: a file of torch before 1.6, which is not read. Load it with torch and save "
-            "it again with torch.save"
-        )
+        return torch_file.read_old(data, str(path))
     return content
 
 

@@ -1,10 +1,15 @@
 """Files of `torch.save`, read and written without torch: tensors are numpy arrays here.
 
 A zip of `NAME/data.pkl`, a pickle that names tensors, and `NAME/data/KEY`, their raw numbers.
+
+Before torch 1.6 it was no zip but pickles in a row: two numbers and a dict about the program, the
+data, a list of keys; then for each key a count (8 bytes) and the raw numbers. Tensors in any other
+pickle (numpy, joblib) still hold their storages as bytes of this form.
 """
 
 from __future__ import annotations
 
+import io
 import pickle
 import zipfile
 from pathlib import Path
@@ -16,7 +21,7 @@ from numpy.typing import NDArray
 from halfphysics.base.atomic import atomic_write
 from halfphysics.base.npz import DAMAGE
 from halfphysics.base.pickle_placeholders import MAX_BYTES, Placeholder, Refused
-from halfphysics.base.restricted_pickle import Guests, loads
+from halfphysics.base.restricted_pickle import Guests, load_from, loads
 from halfphysics.errors import FileError
 
 #: First number of a file of torch before 1.6, which is no zip archive.
@@ -25,8 +30,10 @@ _PICKLE = "/data.pkl"
 _TYPES = {
     "DoubleStorage": "f8", "FloatStorage": "f4", "HalfStorage": "f2", "LongStorage": "i8",
     "IntStorage": "i4", "ShortStorage": "i2", "CharStorage": "i1", "ByteStorage": "u1",
-    "BoolStorage": "?",
+    "BoolStorage": "?", "BFloat16Storage": "u2",
 }  # fmt: skip
+#: The upper half of a number of single precision.
+_BFLOAT16 = "BFloat16Storage"
 
 
 class _Storage(Placeholder):
@@ -78,23 +85,96 @@ class _Reader:
         order = f"{root}/byteorder"
         big = order in members and archive.read(order).strip() == b"big"
         self._order: Literal["<", ">"] = ">" if big else "<"
-        types = {name: name for name in _TYPES}
-        rebuild = {"_rebuild_tensor_v2": _tensor, "_rebuild_parameter": _parameter}
-        guests = Guests(globals={"torch": types, "torch._utils": rebuild}, persistent=self._storage)
+        guests = Guests(globals=_GLOBALS, persistent=self._storage)
         #: The object that the file holds.
         self.data = loads(archive.read(f"{root}{_PICKLE}"), path, guests)
 
     def _storage(self, pid: Any) -> _Storage:
-        kind, key = (pid[1], pid[2]) if isinstance(pid, tuple) and len(pid) >= 3 else (None, None)
-        if kind not in _TYPES or pid[0] != "storage" or not isinstance(key, str):
-            raise Refused("a persistent object that is no storage of numbers")
+        kind, key = _named(pid)
         if key not in self._storages:
-            dtype = np.dtype(_TYPES[kind])
             raw = self._archive.read(f"{self._root}/data/{key}")
-            values = np.frombuffer(raw, dtype.newbyteorder(self._order))
-            self._storages[key] = _Storage()
-            self._storages[key].values = values.astype(dtype)
+            self._storages[key] = _storage_of(kind, raw, self._order)
         return self._storages[key]
+
+
+def _named(pid: Any) -> tuple[str, str]:
+    """Type and key of the storage that a persistent id names."""
+    kind, key = (pid[1], pid[2]) if isinstance(pid, tuple) and len(pid) >= 3 else (None, None)
+    if not isinstance(kind, str) or kind not in _TYPES or pid[0] != "storage":
+        raise Refused("a persistent object that is no storage of numbers")
+    if not isinstance(key, str) or (len(pid) > 5 and pid[5] is not None):
+        raise Refused("a persistent object that is no storage of numbers")
+    return kind, key
+
+
+def _storage_of(kind: str, raw: bytes, order: Literal["<", ">"]) -> _Storage:
+    dtype = np.dtype(_TYPES[kind])
+    values = np.frombuffer(raw, dtype.newbyteorder(order)).astype(dtype)
+    if kind == _BFLOAT16:
+        values = (values.astype(np.uint32) << 16).view(np.float32)
+    storage = _Storage()
+    storage.values = values
+    return storage
+
+
+def read_old(data: bytes, name: str = "torch storage") -> Any:
+    """The data of a file before torch 1.6 in memory; messages call it `name`.
+
+    Raises:
+        FileError: It is damaged, or holds anything but data.
+    """
+    stream = io.BytesIO(data)
+    found: dict[str, str] = {}
+    storages: dict[str, _Storage] = {}
+
+    def noted(pid: Any) -> _Storage:
+        kind, key = _named(pid)
+        found[key] = kind
+        return _storage_of(kind, b"", "<")
+
+    # The numbers come after the pickle that makes tensors of them: it is read twice.
+    if load_from(stream, name) != OLD_MAGIC:
+        raise FileError(f"{name}: not bytes of torch. Download or copy the file again")
+    load_from(stream, name)
+    load_from(stream, name)
+    start = stream.tell()
+    unmade = {"torch": _GLOBALS["torch"], "torch._utils": dict.fromkeys(_REBUILD, _unmade)}
+    load_from(stream, name, Guests(globals=unmade, persistent=noted))
+    try:
+        for key in load_from(stream, name):
+            size = int.from_bytes(stream.read(8), "little") * np.dtype(_TYPES[found[key]]).itemsize
+            raw = stream.read(size)
+            if len(raw) != size:
+                raise ValueError(f"{len(raw)} bytes of {size} of a storage")
+            storages[key] = _storage_of(found[key], raw, "<")
+    except (KeyError, TypeError, ValueError) as error:
+        raise FileError(
+            f"{name}: damaged or truncated torch file ({error}). Download or copy the file again"
+        ) from None
+    stream.seek(start)
+    guests = Guests(globals=_GLOBALS, persistent=lambda pid: storages[_named(pid)[1]])
+    content = load_from(stream, name, guests)
+    return content
+
+
+def _inline(data: Any) -> _Storage:
+    """torch.storage._load_from_bytes: a storage as the bytes of a file of its own."""
+    if not isinstance(data, bytes):
+        raise Refused("torch.storage._load_from_bytes of something that is no bytes")
+    values = read_old(data)
+    if not isinstance(values, np.ndarray):
+        raise Refused("torch.storage._load_from_bytes of something that is no storage")
+    storage = _Storage()
+    storage.values = values
+    return storage
+
+
+def _no_persistent(pid: Any) -> Any:
+    raise Refused("a persistent object")
+
+
+def _unmade(*args: Any) -> None:
+    return None
 
 
 def _tensor(storage: Any, offset: Any, size: Any, stride: Any, *rest: Any) -> NDArray[Any]:
@@ -120,6 +200,26 @@ def _tensor(storage: Any, offset: Any, size: Any, stride: Any, *rest: Any) -> ND
 def _parameter(data: Any, *rest: Any) -> Any:
     """torch._utils._rebuild_parameter: a tensor that was trained."""
     return data
+
+
+def _with_state(make: Any, kind: Any, args: Any, state: Any) -> Any:
+    """torch._tensor._rebuild_from_type_v2: a tensor with attributes, which are left out."""
+    if make not in _REBUILD.values() or not isinstance(args, tuple):
+        raise Refused("torch._tensor._rebuild_from_type_v2 of something that is no tensor")
+    return make(*args)
+
+
+_REBUILD: dict[str, Any] = {"_rebuild_tensor_v2": _tensor, "_rebuild_parameter": _parameter}
+_GLOBALS: dict[str, dict[str, Any]] = {
+    "torch": {**{name: name for name in _TYPES}, "Size": tuple, "Tensor": "Tensor"},
+    "torch._utils": _REBUILD,
+    "torch._tensor": {"_rebuild_from_type_v2": _with_state},
+    "torch.nn.parameter": {"Parameter": "Parameter"},
+}
+#: For pickles of other programs (numpy, joblib) that hold tensors.
+INLINE = Guests(
+    globals={**_GLOBALS, "torch.storage": {"_load_from_bytes": _inline}}, persistent=_no_persistent
+)
 
 
 def write(path: Path, array: NDArray[np.float32]) -> None:

@@ -10,6 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
+from halfphysics.base import foreign_json
 from halfphysics.base import stored_objects as stored
 from halfphysics.base.npy import Npy
 from halfphysics.base.npz import Npz
@@ -94,6 +95,11 @@ class Source:
         """
         return stored.read(self.path) if stored.is_stored(self.path, self.head) else None
 
+    @cached_property
+    def document(self) -> Any:
+        """The content of a JSON file (recognized by its first character), else None."""
+        return foreign_json.read(self.path) if foreign_json.is_json(self.head) else None
+
     def describe(self) -> str:
         """The content in words, for the message that no format fits."""
         if self.is_folder:
@@ -107,6 +113,8 @@ class Source:
             if isinstance(self.data, dict):
                 return f"a pickle with {Record(self.path, self.data).describe()}"
             return f"a pickle of a {type(self.data).__name__}"
+        if isinstance(self.document, dict):
+            return f"JSON with {Record(self.path, self.document).describe()}"
         if self.head[:2] == b"PK":
             return "a zip archive without arrays. If it holds motion files, unpack it first"
         return f"a file that begins with {shown(self.head[:24])}"

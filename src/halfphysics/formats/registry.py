@@ -15,7 +15,7 @@ from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import body as checked_body
 from halfphysics.base.validation import file_path, frame_rate, number, shown
 from halfphysics.errors import FileError, InputError
-from halfphysics.formats import blender, emage, hymotion, smpl_codec
+from halfphysics.formats import blender, emage, hymotion, plain, smpl_codec
 from halfphysics.formats.amass import smpl as amass_smpl
 from halfphysics.formats.amass import smplh as amass_smplh
 from halfphysics.formats.amass import smplx as amass_smplx
@@ -49,6 +49,20 @@ from halfphysics.formats.format import Assets, Format, Options, Source
 from halfphysics.formats.gltf import gltf
 from halfphysics.formats.people import Track, chosen, together
 from halfphysics.formats.positions import humanml, joint_array, kimodo, mdm, mdm_smpl
+from halfphysics.formats.video import (
+    bedlam,
+    comotion,
+    gvhmr,
+    mcs,
+    phalp,
+    prompthmr,
+    romp,
+    sam3d,
+    slahmr,
+    smplerx,
+    tram,
+    wham,
+)
 from halfphysics.motion.motion import GENDERS, MODELS, Motion
 
 if TYPE_CHECKING:
@@ -73,6 +87,7 @@ __all__ = [
 FORMATS: dict[str, Format] = {
     format.name: format
     for format in (
+        slahmr.FORMAT,  # before AMASS, which has fields of the same names
         behave.FORMAT,  # before AMASS, which has fields of the same names and another axis up
         core4d.FORMAT,
         emage.FORMAT,  # before AMASS, too
@@ -95,7 +110,18 @@ FORMATS: dict[str, Format] = {
         threedpw.FORMAT,
         prox.FORMAT,
         rich.FORMAT,
+        gvhmr.FORMAT,
+        wham.FORMAT,
+        prompthmr.FORMAT,
+        mcs.FORMAT,
+        tram.FORMAT,
+        phalp.FORMAT,
+        comotion.FORMAT,
+        romp.FORMAT,
+        smplerx.FORMAT,
+        bedlam.FORMAT,
         trumans_clip.FORMAT,
+        plain.FORMAT,  # after the data sets whose files have these names, too
         trumans_release.FORMAT,
         omomo.FORMAT,
         intermimic.FORMAT,
@@ -479,6 +505,8 @@ def unknown(source: Source) -> FileError:
             "one. Convert it, for example in Blender: File > Import > FBX, then File > Export > "
             "glTF 2.0 with its animation"
         )
+    if (refusal := sam3d.refusal(source)) is not None:
+        return refusal
     known = "; ".join(
         f"{format.name}: {format.expects}" for format in FORMATS.values() if format.sniff
     )

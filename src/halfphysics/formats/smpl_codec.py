@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from halfphysics.base.npz import write_npz
+from halfphysics.base.npz import Npz, write_npz
 from halfphysics.errors import FileError
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.format import Format, Options, Source
@@ -50,16 +50,21 @@ def _sniff(source: Source) -> bool:
 def _load(source: Source, options: Options) -> Motion:
     if source.npz is None:
         raise FileError(f"{source.path}: not a file of the SMPL codec")
-    record = Record(source.path, source.npz)
+    return motion_in(str(source.path), source.npz, options)
+
+
+def motion_in(where: str, npz: Npz, options: Options) -> Motion:
+    """The motion of a file's arrays; messages call it `where`."""
+    record = Record(where, npz)
     if "bodyPose" not in record:
         raise FileError(
-            f"{source.path}: holds a shape and no motion, found {record.describe()}; expected "
+            f"{where}: holds a shape and no motion, found {record.describe()}; expected "
             "bodyPose (T, 22, 3) and bodyTranslation (T, 3)"
         )
     version = record.number("smplVersion")
     if version != SMPLX:
         raise FileError(
-            f"{source.path}: field 'smplVersion': found {version:g}, expected {SMPLX} (SMPL-X)"
+            f"{where}: field 'smplVersion': found {version:g}, expected {SMPLX} (SMPL-X)"
         )
     parts = {
         key: record.array(key, None, len(joints), 3, frames=options.frames)
@@ -68,7 +73,7 @@ def _load(source: Source, options: Options) -> Motion:
     }
     translation = record.array("bodyTranslation", None, 3, frames=options.frames)
     lengths = {key: len(part) for key, part in parts.items()}
-    same_length(str(source.path), {**lengths, "bodyTranslation": len(translation)})
+    same_length(where, {**lengths, "bodyTranslation": len(translation)})
     number = record.number("gender") if "gender" in record else -1.0
     if "gender" in record and number not in range(len(_GENDERS)):
         raise record.error("gender", f"found {number:g}, expected 0 neutral, 1 male or 2 female")
@@ -78,7 +83,7 @@ def _load(source: Source, options: Options) -> Motion:
             _EXPRESSION, None, np.shape(record.raw(_EXPRESSION))[1], frames=options.frames
         )
     return motion_of(
-        str(source.path),
+        where,
         options,
         format=NAME,
         translation=translation,

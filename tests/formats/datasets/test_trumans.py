@@ -86,7 +86,7 @@ WRONG = [
     ("no root", without("global_orient"), "'global_orient' is missing"),
     ("betas per frame", put("betas", np.random.default_rng(0).normal(size=(12, 10))), "changes"),
     ("betas of another length", put("betas", np.ones((5, 10))), "betas"),
-    ("hand PCA", put("left_hand_pose", np.zeros((12, 12))), r"'left_hand_pose'.*\(T, 45\)"),
+    ("hands of two people", put("left_hand_pose", np.zeros((12, 2, 45))), "'left_hand_pose'"),
     ("gender unknown", put("gender", "robot"), "gender"),
     ("fps negative", put("fps", -30), "'fps'"),
     ("expression short", changed("expression", lambda a: a * np.nan), "'expression'.*NaN"),

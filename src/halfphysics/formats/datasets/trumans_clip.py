@@ -1,8 +1,9 @@
 """TRUMANS per-clip pkl: the parameters of the `smplx` package over T frames; y-up, 30 fps.
 
 `global_orient (T, 3) body_pose (T, 63) left_hand_pose, right_hand_pose (T, 45) jaw_pose, leye_pose,
-reye_pose (T, 3) expression (T, 10) transl (T, 3)`, and `betas`, which may be empty. Other
-programs write files with these names, too. The files do not state what zero fingers mean.
+reye_pose (T, 3) expression (T, 10) transl (T, 3)`, and `betas`, which may be empty. Files of other
+programs with these names have other shapes or further fields (`plain`). The files do not state what
+zero fingers mean.
 """
 
 from __future__ import annotations
@@ -32,12 +33,17 @@ NAME = "trumans-clip"
 FPS = 30.0
 _HANDS = ("left_hand_pose", "right_hand_pose")
 _EXPRESSION = "expression"
+_NEEDED = {"global_orient", "body_pose", *_HANDS, "jaw_pose"}
+_NAMES = {*PARTS, _EXPRESSION, "transl", "betas", "fps", "gender"}
 
 
 def _sniff(source: Source) -> bool:
+    """All of the names, no others, and one row per frame in each."""
     data = source.data
-    named = {"global_orient", "body_pose", "transl"}
-    return isinstance(data, dict) and len(named & data.keys()) >= 2
+    if not isinstance(data, dict) or not data.keys() >= _NEEDED or data.keys() - _NAMES:
+        return False
+    widths = {key: np.shape(data[key])[1:] for key in _NEEDED}
+    return all(widths[key] == (3 * len(PARTS[key]),) for key in _NEEDED)
 
 
 def _load(source: Source, options: Options) -> Motion:
@@ -92,7 +98,7 @@ def _save(motion: Motion, path: Path, body: Body | None) -> None:
 
 FORMAT = Format(
     name=NAME,
-    about="TRUMANS, one clip, and others with the names of the smplx package",
+    about="TRUMANS: one clip",
     invents="the frame rate (30)",
     expects="pkl with global_orient (T, 3), body_pose (T, 63), transl (T, 3)",
     sniff=_sniff,

@@ -1,0 +1,143 @@
+"""Files with the parameter names of the `smplx` package: npz, pickle, JSON or torch file.
+
+What most scripts dump: `global_orient`, `body_pose`, `transl` and what else there is, in any shape
+(`smplx_params`); one person, a dict of people, or a list with a dict for each frame. Such files say
+neither frame rate nor up axis: 30, and the axis along which the person stands.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from collections.abc import Sequence as Listing
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.base import rotations as rot
+from halfphysics.base.axes import AXES, axes_of
+from halfphysics.base.npz_objects import NpzObjects
+from halfphysics.errors import FileError
+from halfphysics.formats.checked_fields import Record
+from halfphysics.formats.estimates import FLOOR, estimated, once
+from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.people import Track
+from halfphysics.formats.rotation_forms import numbers_of
+from halfphysics.formats.smplx_params import TRANSLATION, gender_of, is_params, parts_of, stacked
+from halfphysics.motion.motion import Motion
+
+Up = Literal["y", "z", "-y"]
+
+NAME = "smplx-params"
+_RATES = ("fps", "mocap_frame_rate", "mocap_framerate", "frame_rate", "framerate")
+#: Name of the only person of a file.
+_ALONE = "person"
+#: The mean component of the trunk along an axis, above which the person stands along it.
+_STANDS = 0.7
+
+
+def _content(source: Source) -> Any:
+    """What a file holds: a mapping of fields or of people, a list of frames, or None."""
+    npz = source.npz
+    if npz is not None:
+        # A dict that numpy pickled into a field is a person, too.
+        return NpzObjects(source.path) if is_params(npz) or _has_objects(source) else None
+    return source.document if source.document is not None else source.data
+
+
+def _has_objects(source: Source) -> bool:
+    npz = source.npz
+    return npz is not None and len(npz) <= 4 and any(npz.header(key)[1].hasobject for key in npz)
+
+
+@once
+def _people(source: Source) -> dict[str, Mapping[str, Any]]:
+    """Name -> fields of each person; empty: it is no such file."""
+    return _found(_content(source))
+
+
+def _found(content: Any) -> dict[str, Mapping[str, Any]]:
+    if is_params(content):
+        return {_ALONE: content}
+    if isinstance(content, list) and content and all(is_params(item) for item in content):
+        return {_ALONE: stacked(content)}
+    if not isinstance(content, Mapping):
+        return {}
+    return {str(key): content[key] for key in list(content) if is_params(_entry(content, key))}
+
+
+def _entry(content: Mapping[str, Any], key: str) -> Any:
+    if isinstance(content, NpzObjects) and not content.header(key)[1].hasobject:
+        return None
+    return content[key]
+
+
+def _sniff(source: Source) -> bool:
+    return not source.is_folder and bool(_people(source))
+
+
+def _tracks(source: Source) -> Listing[Track]:
+    return [
+        Track(name, 0, _length(Record(_where(source, name), fields)))
+        for name, fields in _people(source).items()
+    ]
+
+
+def _length(record: Record) -> int:
+    key = next((key for key in TRANSLATION if key in record), TRANSLATION[0])
+    return max(numbers_of(record, key).size // 3, 2)  # a single one is held for two
+
+
+def _where(source: Source, name: str) -> str:
+    return str(source.path) if name == _ALONE else f"{source.path}, clip {name!r}"
+
+
+def _load(source: Source, options: Options) -> Motion:
+    people = _people(source)
+    name = options.clip or next(iter(people), "")
+    if name not in people:
+        raise FileError(f"{source.path}: found nobody in it, expected at least one person")
+    record = Record(_where(source, name), people[name])
+    parts = parts_of(record, options)
+    key = next((key for key in _RATES if key in record), None)
+    up, told = _up(parts.rotations, options)
+    return estimated(
+        record.where,
+        options,
+        format=NAME,
+        translation=parts.translation,
+        rotations=parts.rotations,
+        up=up,
+        model=parts.model,
+        gender=gender_of(record, options),
+        betas=parts.betas,
+        hands=parts.hands,
+        fps=None if key is None else record.number(key, above=0.0),
+        invented={**told, **FLOOR},
+    )
+
+
+def _up(rotations: NDArray[np.float64], options: Options) -> tuple[Up, dict[str, str]]:
+    """The axis along which the trunk is on average, else y, and how it is told."""
+    if options.up is not None:
+        return "y", {}
+    trunk = rot.to_matrix(rot.exp(rotations[:, 0]))[:, :, 1].mean(axis=0)
+    along: dict[Up, float] = {
+        up: float(axes_of(up)[2] @ trunk) for up in ("y", "z", "-y") if up in AXES
+    }
+    best = max(along, key=lambda up: along[up])
+    if along[best] < _STANDS:
+        return "y", {"up": "the up axis: y, though nobody stands along it (up= says another)"}
+    words = "y down" if best == "-y" else f"{best} up"
+    return best, {"up": f"the up axis: {words}, as the person stands (up= says another)"}
+
+
+FORMAT = Format(
+    name=NAME,
+    about="the parameter names of the smplx package, as most scripts dump them",
+    invents="frame rate, up axis, floor, flat or relaxed hands",
+    expects="npz, pkl, json or pt with global_orient (T, 3), body_pose (T, 63 or 69), transl",
+    sniff=_sniff,
+    load=_load,
+    people=_tracks,
+)

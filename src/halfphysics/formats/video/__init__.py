@@ -1,0 +1,1 @@
+"""What estimators of people in video write, one module per program."""

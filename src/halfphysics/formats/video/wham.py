@@ -1,0 +1,82 @@
+"""WHAM `wham_output.pkl`: people of a video, SMPL neutral; y-up.
+
+A joblib dump: track id -> {`pose_world` (T, 72), `trans_world` (T, 3), `betas` (T, 10), `frame_ids`
+(T,)}, and `pose`, `trans`, `verts` in the camera's frame. `trans_world` is the point midway between
+the hips, by a regressor of WHAM's own, for which SMPL's hip joints are taken here: a constant of a
+few centimetres in the frame of the pelvis. The floor is anywhere; the frame rate is the video's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from halfphysics.formats.estimates import (
+    FLOOR,
+    PELVIS,
+    Seen,
+    estimated,
+    from_hips,
+    rest_joints,
+    seen,
+    tracked,
+)
+from halfphysics.formats.format import Options, Source
+from halfphysics.formats.mean_shape import mean_shape
+from halfphysics.formats.motion_builder import same_length
+from halfphysics.formats.video.smpl_pose import vectors_in
+from halfphysics.motion.motion import Motion
+
+NAME = "wham"
+_KEYS = {"pose_world", "trans_world"}
+
+
+def _sniff(source: Source) -> bool:
+    data = source.data
+    if not isinstance(data, dict) or not data:
+        return False
+    first = next(iter(data.values()))
+    return isinstance(first, Mapping) and bool(_KEYS & first.keys())
+
+
+def _people(source: Source) -> dict[str, Seen]:
+    found = {}
+    for key, fields in source.data.items():
+        if isinstance(fields, Mapping):
+            numbers = fields.get("frame_ids", np.arange(len(fields.get("trans_world", ()))))
+            found[str(key)] = numbers, fields
+    return seen(source.path, found)
+
+
+def _read(who: Seen, options: Options) -> Motion:
+    record = who.record
+    rotations = vectors_in(record, "pose_world")
+    places = record.array("trans_world", None, 3)
+    same_length(record.where, {"pose_world": len(rotations), "trans_world": len(places)})
+    betas = mean_shape(record, "betas", len(places))
+    rest, own = rest_joints(options, "smpl", betas)
+    told = {"hips": "the point between the hips: that of the hip joints"}
+    return estimated(
+        record.where,
+        options,
+        format=NAME,
+        frames=who.frames,
+        translation=from_hips(places, rotations[:, 0], rest),
+        rotations=rotations,
+        up="y",
+        model="smpl",
+        betas=betas,
+        invented={**told, **({} if own else PELVIS), **FLOOR},
+    )
+
+
+FORMAT = tracked(
+    NAME,
+    "pkl of tracks with pose_world (T, 72), trans_world (T, 3), betas (T, 10), frame_ids (T,)",
+    about="WHAM: people of a video",
+    invents="frame rate, fingers, floor, the hips",
+    sniff=_sniff,
+    people=_people,
+    read=_read,
+)

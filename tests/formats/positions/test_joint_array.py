@@ -116,7 +116,7 @@ def test_another_axis_up_is_told(tmp_path):
     positions = truth()[:, :22]
     path = written(tmp_path / "a.npy", z_up(positions))
     with pytest.warns(hp.HalfPhysicsWarning, match="along z"):
-        hp.Motion.load(path)
+        hp.load_sequence(path)
     assert errors(quiet(path, up="z"), positions).mean() < MET
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -60,6 +59,7 @@ class Command:
 
     def run(self) -> None:
         """Judge the clips, print the table, write the files."""
+        from halfphysics.base.machine import cores
         from halfphysics.cli.judge_tables import brief, text
         from halfphysics.cli.judging import Options, judged, tasks_of
 
@@ -68,7 +68,7 @@ class Command:
         if self.scene.given:
             self.scene.load()  # a mistake in it is one message, not one for each clip
         tasks = tasks_of(self.files, self.truth)
-        jobs = self.jobs or len(os.sched_getaffinity(0))
+        jobs = cores() if self.jobs is None else self.jobs
         people = judged(tasks, options, jobs, bar=progress())
         self._warn(people)
         self._write(people)

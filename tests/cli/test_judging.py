@@ -8,7 +8,7 @@ from metrics.test_judge import walk
 
 import halfphysics as hp
 from halfphysics.cli.judging import Judged, Options, Task, judge_one, judged, tasks_of
-from halfphysics.cli.options import SceneOptions
+from halfphysics.cli.options import MotionOptions, SceneOptions
 from halfphysics.errors import HalfPhysicsError
 
 
@@ -107,3 +107,21 @@ def test_a_fault_of_a_reader_is_an_error_of_its_clip(library, monkeypatch):
             error=f"{library / 'a.npz'}: ZeroDivisionError: division by zero",
         )
     ]
+
+
+def test_a_clip_that_takes_all_memory_is_an_error_of_its_own(library, monkeypatch):
+    def fail(*_: object, **__: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr("halfphysics.cli.judging._motion", fail)
+    (one,) = judged([Task(library / "a.npz")], Options(), 1, bar=False)
+    assert one.verdict is None
+    assert "memory" in one.error
+
+
+def test_a_truth_is_read_as_the_clips_are(library):
+    """--frames cuts both."""
+    options = Options(motion_file=MotionOptions(frames="0:12"))
+    (one,) = judge_one((Task(library / "a.npz", truth=library / "deep" / "b.npz"), options))
+    assert one.verdict.frames == 12
+    assert one.verdict["mpjpe_mm"] > 1.0

@@ -32,19 +32,21 @@ def test_volumes_sum_to_that_of_the_skin() -> None:
     rest = body.rest_vertices
     a, b, c = (rest[body.faces[:, k]] for k in range(3))
     skin = np.linalg.det(np.stack([a, b, c], axis=1)).sum() / 6.0
-    volumes = segments(body).volumes(np.stack([rest, rest + np.array([5.0, -3.0, 2.0])]))
-    assert volumes.sum(axis=1) == pytest.approx([skin, skin], abs=1e-9)
+    whole = segments(body)
+    volumes = whole.volumes(whole.rows(np.stack([rest, rest + np.array([5.0, -3.0, 2.0])])))
+    assert volumes.sum(axis=0) == pytest.approx([skin, skin], abs=1e-9)
     left, right = (NAMES.index(f"{side}_thigh") for side in ("left", "right"))
-    assert volumes[0, left] == pytest.approx(volumes[0, right], rel=0.03)
+    assert volumes[left, 0] == pytest.approx(volumes[right, 0], rel=0.03)
 
 
 def test_volumes_of_boxes() -> None:
     body = box_person({"pelvis": (0.4, 0.2, 0.6), "left_knee": (0.1, 0.1, 0.5)})
     turned = body.rest_vertices @ np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    volumes = segments(body).volumes(np.stack([body.rest_vertices, 2.0 * turned]))
+    whole = segments(body)
+    volumes = whole.volumes(whole.rows(np.stack([body.rest_vertices, 2.0 * turned])))
     expected = np.zeros(len(NAMES))
     expected[NAMES.index("trunk")], expected[NAMES.index("left_shank")] = 0.048, 0.005
-    np.testing.assert_allclose(volumes, [expected, 8.0 * expected], atol=1e-12)
+    np.testing.assert_allclose(volumes.T, [expected, 8.0 * expected], atol=1e-12)
 
 
 def test_neighbours() -> None:

@@ -27,7 +27,8 @@ def by_hand(body, vertices: np.ndarray, ground: float) -> tuple[float, np.ndarra
     """Stability error, CoM and points in contact of one skin."""
     points = skin_points(body)
     dense = points.matrix.toarray()
-    volumes = segments(body).volumes(vertices[None])[0]
+    whole = segments(body)
+    volumes = whole.volumes(whole.rows(vertices[None]))[:, 0]
     com, mass, cop, pressure, touching = np.zeros(3), 0.0, np.zeros(3), 0.0, []
     for weights, segment in zip(dense, points.segment, strict=True):
         used = weights.nonzero()[0]

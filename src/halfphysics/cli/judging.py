@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from halfphysics.base.validation import file_path
-from halfphysics.base.workers import Death, Pool
+from halfphysics.base.workers import FULL, Death, Pool
 from halfphysics.cli.options import BodyOptions, MotionOptions, SceneOptions
 from halfphysics.errors import FileError, HalfPhysicsError, InputError
 
@@ -86,7 +86,10 @@ def judged(tasks: Sequence[Task], options: Options, jobs: int, *, bar: bool) -> 
     with tqdm(total=len(tasks), unit=" clips", leave=False, disable=not bar) as shown:
         if min(jobs, len(tasks)) == 1:
             for task in tasks:
-                found[task] = judge_one((task, options))
+                try:
+                    found[task] = judge_one((task, options))
+                except MemoryError:
+                    found[task] = [Judged(task.name, error=f"{task.path}: {FULL}")]
                 shown.update()
         else:
             with Pool(judge_one, min(jobs, len(tasks))) as pool:

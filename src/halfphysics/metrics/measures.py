@@ -90,7 +90,8 @@ MEASURES: tuple[Measure, ...] = (
     _of("skate_mm", "Skate", "mm/frame",
         "mean horizontal step of balls of feet under 5 cm in both frames",
         _PHYSDIFF, "foot_skate"),
-    _of("phys_err_mm", "Phys-Err", "mm", "sum of the three", _PHYSDIFF, "physdiff"),
+    _of("phys_err_mm", "Phys-Err", "mm", "sum of Penetrate, Float and Skate",
+        _PHYSDIFF, "physdiff"),
     _of("gmd_skating_ratio", "skating ratio", "",
         "share of steps in which a toe under 5 cm in both frames is faster than 0.5 m/s, and on "
         "average over 5 steps",

@@ -43,7 +43,7 @@ SEGMENTS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     }
 )
 NAMES = tuple(SEGMENTS)
-_CHUNK = 512  # triangles at a time
+_CHUNK = 512  # triangles at a time: a cache full
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,27 +83,34 @@ class Segments:
         """The vertices (n,) that belong to each segment."""
         return tuple(np.flatnonzero(self.of_vertex == k) for k in range(len(self.faces)))
 
-    def volumes(self, vertices: Array) -> Array:
-        """Volume (t, G) [m^3] of every segment of skins (t, V, 3) [m].
+    def rows(self, vertices: Array) -> Array:
+        """The closed segments of skins (t, V, 3) [m] as rows (V + R, 3, t): frames come last, so
+        that triangles are gathered in whole rows."""
+        count = vertices.shape[1]
+        rows = np.empty((count + len(self.rims), 3, len(vertices)))
+        rows[:count] = vertices.transpose(1, 2, 0)
+        for k, rim in enumerate(self.rims):
+            rows[count + k] = rows[rim].mean(axis=0)
+        return rows
 
-        A sixth of the sum of a . (b x c) over its closed triangles, from the skin's first vertex.
+    def volumes(self, rows: Array) -> Array:
+        """Volume (G, t) [m^3] of every segment of `rows` (V + R, 3, t) [m].
+
+        A sixth of the sum of a . (b x c) over its closed triangles. The origin should be near.
         """
-        # Frames are the last axis: triangles are gathered in whole rows, a cache full at a time.
-        points = self.closed(vertices - vertices[:, :1])
-        points = np.ascontiguousarray(points.transpose(1, 2, 0))
-        found = np.zeros((len(self.faces), len(vertices)))
+        found = np.zeros((len(self.faces), rows.shape[2]))
         for k, faces in enumerate(self.faces):
             for first in range(0, len(faces), _CHUNK):
                 some = faces[first : first + _CHUNK]
-                a, b, c = (points[some[:, j]] for j in range(3))
+                a, b, c = (rows[some[:, j]] for j in range(3))
                 normal = np.empty_like(b)
                 for x in range(3):
                     y, z = (x + 1) % 3, (x + 2) % 3
                     np.multiply(b[:, y], c[:, z], out=normal[:, x])
                     normal[:, x] -= b[:, z] * c[:, y]
                 normal *= a
-                found[k] += normal.reshape(-1, len(vertices)).sum(axis=0)
-        return found.T / 6.0
+                found[k] += normal.reshape(-1, rows.shape[2]).sum(axis=0)
+        return found / 6.0
 
 
 _known: WeakKeyDictionary[Any, Segments] = WeakKeyDictionary()

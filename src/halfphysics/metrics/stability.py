@@ -110,14 +110,19 @@ def stability_of(
         points: Points on them.
         ground: Height of the ground [m].
     """
-    frames = len(vertices)
-    flat = np.ascontiguousarray(vertices.transpose(1, 2, 0)).reshape(vertices.shape[1], -1)
+    frames, count = vertices.shape[:2]
+    rows = points.segments.rows(vertices)
+    origin = rows[0].copy()
+    rows -= origin  # what follows is relative to it
+    flat = rows[:count].reshape(count, -1)
     places = (points.matrix @ flat).reshape(-1, 3, frames)
     sums = (points.sums @ flat).reshape(-1, 3, frames)
-    volumes = points.segments.volumes(vertices).T  # (G, t)
+    volumes = points.segments.volumes(rows)
     com = np.einsum("gt,gxt->xt", volumes, sums) / np.einsum("gt,g->t", volumes, points.counts)
-    height = places[:, 2] - ground
-    pressure = np.exp(-FALL * np.maximum(height, 0.0))
+    height = places[:, 2] + (origin[2] - ground)
+    pressure = np.maximum(height, 0.0)
+    pressure *= -FALL
+    np.exp(pressure, out=pressure)
     sunk = height < 0.0
     pressure[sunk] = 1.0 - RISE * height[sunk]
     across = places[:, :2]

@@ -10,6 +10,9 @@ import halfphysics as hp
 from halfphysics.cli.judging import Judged, Options, Task, judge_one, judged, tasks_of
 from halfphysics.cli.options import MotionOptions, SceneOptions
 from halfphysics.errors import HalfPhysicsError
+from halfphysics.formats import registry
+from halfphysics.formats.format import Format
+from halfphysics.formats.people import Track
 
 
 @pytest.fixture
@@ -94,6 +97,7 @@ def test_a_scene_and_a_truth_of_another_length(library):
     (wrong,) = judge_one((Task(library / "a.npz", truth=library / "short.npz"), options))
     assert wrong.verdict is None
     assert "truth: found 10 frames, expected 40" in wrong.error
+    assert wrong.error.startswith(str(library / "a.npz"))
 
 
 def test_a_fault_of_a_reader_is_an_error_of_its_clip(library, monkeypatch):
@@ -125,3 +129,24 @@ def test_a_truth_is_read_as_the_clips_are(library):
     (one,) = judge_one((Task(library / "a.npz", truth=library / "deep" / "b.npz"), options))
     assert one.verdict.frames == 12
     assert one.verdict["mpjpe_mm"] > 1.0
+
+
+def test_each_person_whom_a_file_tracks_is_judged(library, monkeypatch):
+    """Over their own frames; one who is there too briefly is an error of their own."""
+    lengths = {"anne": 20, "bert": 12, "carl": 1}
+    format = Format(
+        name="tracks",
+        expects="tracks",
+        sniff=lambda source: source.head[:6] == b"tracks",
+        load=lambda source, options: walk()[: lengths[options.clip]],
+        people=lambda source: [Track(name, 0, end) for name, end in lengths.items()],
+    )
+    monkeypatch.setitem(registry.FORMATS, "tracks", format)
+    (library / "two.tracks").write_bytes(b"tracks of people")
+    (task,) = tasks_of([library / "two.tracks"], None)
+    people = judge_one((task, Options()))
+    assert [one.name.rpartition(":")[2] for one in people] == list(lengths)
+    assert [one.verdict and one.verdict.frames for one in people] == [20, 12, None]
+    assert people[2].error.startswith(f"{library / 'two.tracks'}:carl: ")
+    (bert,) = judge_one((task, Options(motion_file=MotionOptions(clip="bert"))))
+    assert bert.verdict.frames == 12

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from halfphysics.base.validation import file_path
 from halfphysics.base.workers import FULL, Death, Pool
 from halfphysics.cli.options import BodyOptions, MotionOptions, SceneOptions
-from halfphysics.errors import FileError, HalfPhysicsError, InputError
+from halfphysics.errors import FileError, HalfPhysicsError, HalfPhysicsWarning, InputError
 
 if TYPE_CHECKING:
     from halfphysics.metrics import Verdict
@@ -110,40 +110,77 @@ def judge_one(item: tuple[Task, Options]) -> list[Judged]:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
-            people = list(_people(task, options))
-        except HalfPhysicsError as error:
-            return [Judged(task.name, error=str(error))]
+            tasks = _people(task, options)
+            people = [one for its in tasks for one in _judged(its, options)]
         except MemoryError:
             raise
         except Exception as error:  # a fault of a reader must not end the others
-            return [Judged(task.name, error=f"{task.path}: {type(error).__name__}: {error}")]
-    said = tuple(str(w.message) for w in caught if "halfphysics" in w.category.__module__)
+            people = [_failed(task, error)]
+    said = tuple(str(w.message) for w in caught if issubclass(w.category, HalfPhysicsWarning))
     return [replace(one, warnings=said) for one in people]
 
 
-def _people(task: Task, options: Options) -> Iterator[Judged]:
+def _failed(task: Task, error: Exception) -> Judged:
+    """An error as an answer; its text names the file."""
+    known = isinstance(error, HalfPhysicsError)
+    text = str(error) if known else f"{type(error).__name__}: {error}"
+    named = text if str(task.path) in text else f"{task.name}: {text}"
+    return Judged(task.name, error=named)
+
+
+def _people(task: Task, options: Options) -> list[Task]:
+    """A task for each person whom a file tracks, over their own frames; else the task."""
+    from halfphysics.formats.format import Source
+    from halfphysics.formats.registry import identify
+
+    if task.clip is not None or options.motion_file.clip is not None:
+        return [task]
+    source = Source(task.path)
+    format = identify(source)
+    tracks = () if format is None or format.people is None else format.people(source)
+    if len(tracks) < 2:
+        return [task]
+    return [replace(task, clip=track.name) for track in tracks]
+
+
+def _judged(task: Task, options: Options) -> list[Judged]:
+    """The people of a result, or the person of a motion."""
     from halfphysics.formats.results.result_file import is_result
     from halfphysics.metrics import judge
 
-    truth = None if task.truth is None else _motion(Task(task.truth), options)
-    scene = _scene(options.scene)
-    if task.clip is None and is_result(task.path):
-        from halfphysics.results.result import Result
+    try:
+        truth = None if task.truth is None else _motion(Task(task.truth), options)
+        scene = _scene(options.scene)
+        if task.clip is None and is_result(task.path):
+            return _of_result(task, options, scene, truth)
+        motion = _motion(task, options)
+        return [Judged(task.name, judge(motion, options.person.load(motion), scene, truth))]
+    except HalfPhysicsError as error:
+        return [_failed(task, error)]
 
-        result = Result.load(task.path, scene=scene)
-        for person in result.people:
-            verdict = judge(
+
+def _of_result(
+    task: Task, options: Options, scene: Scene | None, truth: Motion | None
+) -> list[Judged]:
+    """The realised motions of a result's people, in its scene with its objects."""
+    from halfphysics.metrics import judge
+    from halfphysics.results.result import Result
+
+    result = Result.load(task.path, scene=scene)
+    several = len(result.people) > 1
+    return [
+        Judged(
+            f"{task.name}:{person.name}" if several else task.name,
+            judge(
                 person.motion,
                 options.person.instead_of(person.body, person.motion),
                 result.scene,
                 truth,
                 objects=result.objects,
-            )
-            several = len(result.people) > 1
-            yield Judged(f"{task.name}:{person.name}" if several else task.name, verdict)
-        return
-    motion = _motion(task, options)
-    yield Judged(task.name, judge(motion, options.person.load(motion), scene, truth))
+            ),
+        )
+        for person in result.people
+    ]
 
 
 def _motion(task: Task, options: Options) -> Motion:

@@ -7,7 +7,7 @@ from html.parser import HTMLParser
 
 from halfphysics.cli.judge_page import BARS, page
 from halfphysics.cli.judging import Judged
-from halfphysics.metrics.judge import Verdict
+from halfphysics.metrics.verdict import Verdict
 
 
 def clip(name: str, **values: float) -> Judged:

@@ -9,8 +9,8 @@ import pytest
 
 from halfphysics.cli.judge_tables import COLUMNS, csv_text, json_text, shown_names, text
 from halfphysics.cli.judging import Judged
-from halfphysics.metrics.judge import Verdict
 from halfphysics.metrics.measures import MEASURES
+from halfphysics.metrics.verdict import Verdict
 
 
 def verdict(**values: float) -> Verdict:

@@ -14,7 +14,7 @@ from halfphysics.metrics.floating import FloatReport, PhysDiffReport, floating, 
 from halfphysics.metrics.foot_sliding import foot_sliding_mm, gmd_skating_ratio
 from halfphysics.metrics.forces import ForceReport, contact_forces
 from halfphysics.metrics.joint_errors import mpjpe, mpjpe_global
-from halfphysics.metrics.judge import Verdict, judge
+from halfphysics.metrics.judge import judge
 from halfphysics.metrics.kimodo import (
     foot_contact_consistency,
     foot_skate_from_contacts,
@@ -35,6 +35,7 @@ from halfphysics.metrics.stability import StabilityReport, stability
 from halfphysics.metrics.stance import Slide, StanceReport, stance_slide
 from halfphysics.metrics.success import phc_success, success
 from halfphysics.metrics.unsupported import UnsupportedReport, unsupported_weight
+from halfphysics.metrics.verdict import Verdict
 from halfphysics.metrics.volume import VolumeReport, penetrating_volume
 from halfphysics.metrics.world_error import rte, w_mpjpe, wa_mpjpe, world_foot_sliding
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from types import MappingProxyType
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,6 +30,7 @@ from halfphysics.metrics.skins import batches, skin
 from halfphysics.metrics.smoothness import acceleration_error, jerk, jitter
 from halfphysics.metrics.stability import report_of, skin_points, stability_of
 from halfphysics.metrics.success import phc_success
+from halfphysics.metrics.verdict import Verdict
 from halfphysics.metrics.world_error import (
     rte,
     sole_vertices,
@@ -47,46 +46,6 @@ if TYPE_CHECKING:
 
 #: The joints that SMPL, SMPL-H and SMPL-X share, by which other projects measure.
 SHARED = 22
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Verdict:
-    """What the measures of `halfphysics.metrics.measures.MEASURES` say of a motion.
-
-    Attributes:
-        values: Key -> value; NaN where a measure has none (such as a stability error without any
-            frame in contact).
-        missing: Key -> why it was not taken: no scene, no truth, too few frames.
-        frames: Number of frames.
-        fps: Frames per second.
-    """
-
-    values: Mapping[str, float]
-    missing: Mapping[str, str]
-    frames: int
-    fps: float
-
-    def __post_init__(self) -> None:
-        for name in ("values", "missing"):
-            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
-
-    def __reduce__(self) -> Any:
-        # Views of mappings cannot be sent to another process.
-        fields = {"values": dict(self.values), "missing": dict(self.missing)}
-        return _verdict, (fields | {"frames": self.frames, "fps": self.fps},)
-
-    def __getitem__(self, key: str) -> float:
-        return self.values[key]
-
-    def rows(self) -> Iterator[tuple[Measure, float]]:
-        """The measures that were taken, with their values, in the order of tables."""
-        for measure in MEASURES:
-            if measure.key in self.values:
-                yield measure, self.values[measure.key]
-
-
-def _verdict(fields: dict[str, Any]) -> Verdict:
-    return Verdict(**fields)
 
 
 def judge(

@@ -51,3 +51,34 @@ def test_jerk_is_the_mean_over_joints() -> None:
         metrics.jerk(_clip(3), Puppet(joints[:3]))
     with pytest.raises(InputError, match="body: expected"):
         metrics.jerk(_clip(5), None)
+
+
+def _joints(seed: int) -> np.ndarray:
+    return np.random.default_rng(seed).normal(size=(9, 22, 3))
+
+
+@pytest.mark.parametrize("fps", [20.0, 30.0])
+def test_jitter_by_hand(fps: float) -> None:
+    x, sizes = _joints(0), []
+    for t in range(6):
+        for j in range(22):
+            third = x[t + 3, j] - 3 * x[t + 2, j] + 3 * x[t + 1, j] - x[t, j]
+            sizes.append(float(np.sqrt((third**2).sum())) * fps**3)
+    assert metrics.jitter(x, fps) == pytest.approx(sum(sizes) / len(sizes) / 10.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("fps", [20.0, 30.0])
+def test_acceleration_error_by_hand(fps: float) -> None:
+    x, y, errors = _joints(1), _joints(2), []
+    for t in range(1, 8):
+        for j in range(22):
+            own, true = (
+                [p[k, j] - 0.5 * (p[k, 1] + p[k, 2]) for k in (t - 1, t, t + 1)] for p in (x, y)
+            )
+            difference = (own[0] - 2 * own[1] + own[2]) - (true[0] - 2 * true[1] + true[2])
+            errors.append(float(np.sqrt((difference**2).sum())) * fps**2)
+    found = metrics.acceleration_error(x, y, fps)
+    assert found == pytest.approx(sum(errors) / len(errors), rel=1e-12)
+    # A motion of the whole has no error relative to the hips.
+    moved = x + np.cumsum(np.ones((9, 1, 3)), axis=0) ** 3
+    assert metrics.acceleration_error(moved, x, fps) == pytest.approx(0.0, abs=1e-8)

@@ -28,3 +28,15 @@ def test_success_is_every_frame_finite_at_the_rate_asked() -> None:
         metrics.success(_clip(9), None)
     with pytest.raises(InputError, match=r"motion: expected a halfphysics\.Motion"):
         metrics.success(3, asked)
+
+
+def test_phc_fails_in_one_frame_over_half_a_metre() -> None:
+    truth = np.random.default_rng(0).normal(size=(6, 22, 3))
+    assert metrics.phc_success(
+        truth + np.array([0.0, 0.2999, 0.4]), truth
+    )  # under 0.5 m in every frame
+    far = truth.copy()
+    far[3, :11] += [1.01, 0.0, 0.0]  # half of the joints by 1.01 m: 0.505 m on average
+    assert not metrics.phc_success(far, truth)
+    far[3, :11] -= [0.02, 0.0, 0.0]
+    assert metrics.phc_success(far, truth)

@@ -105,6 +105,7 @@ COVERED_BY = {
     "halfphysics/labels/solver_contacts.py": "labels/test_contact_labels.py",
     "halfphysics/labels/tables.py": "labels/test_contact_labels.py",
     "halfphysics/metrics/*.py": "metrics/test_penetration.py metrics/test_contact_precision.py",
+    "halfphysics/metrics/verdict.py": "metrics/test_judge.py",
     "halfphysics/motion/file_metadata.py": "motion/test_motion.py formats/amass/test_amass.py",
     "halfphysics/motion/joint_groups.py": "native/stepping/test_drive.py",
     "halfphysics/motion/pose.py": "motion/test_motion.py body/test_body.py",

@@ -25,6 +25,7 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
         "scenario": "play a built-in scenario, --list names them",
         "simulate": "give a motion a body in a scene",
         "evaluate": "measure a result or a motion",
+        "judge": "measure motions and results by the measures of others, and ours",
         "view": "show results in a browser, several side by side",
         "render": "make a page, a film or pictures of results",
         "fix": "put an estimator's or a generator's motion right",

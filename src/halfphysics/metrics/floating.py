@@ -151,10 +151,15 @@ def physdiff(motion: Any, body: Any, *, ground: float = 0.0) -> PhysDiffReport:
     lowest = np.concatenate(
         [skin(motion, body, part)[..., 2].min(axis=1) for part in batches(frames_of(motion))]
     )
+    return physdiff_from(lowest, skate, ground)
+
+
+def physdiff_from(lowest: Array, skate_mm: float, ground: float = 0.0) -> PhysDiffReport:
+    """The report of the heights of the lowest vertex (T,) [m], and of the skate [mm/frame]."""
     height = 1000.0 * (lowest - ground)
     over = 1000.0 * TOLERANCE
     depth = float(np.where(height < -over, -height, 0.0).mean())
     above = float(np.where(height > over, height, 0.0).mean())
     return PhysDiffReport(
-        penetrate_mm=depth, float_mm=above, skate_mm=skate, phys_err_mm=depth + above + skate
+        penetrate_mm=depth, float_mm=above, skate_mm=skate_mm, phys_err_mm=depth + above + skate_mm
     )

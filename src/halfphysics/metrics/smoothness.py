@@ -1,4 +1,4 @@
-"""Jerk: the rate of change of the joints' accelerations."""
+"""Jerk and jitter of the joints, and the error of their accelerations against a truth."""
 
 from __future__ import annotations
 
@@ -6,7 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from halfphysics.metrics.argument_checks import joints_of
+from halfphysics.metrics.argument_checks import Array, joints_of
+
+#: Hips, left and right, in SMPL's order: their middle is the pelvis of `acceleration_error`.
+HIPS = (1, 2)
 
 
 def jerk(motion: Any, body: Any) -> float:
@@ -27,3 +30,35 @@ def jerk(motion: Any, body: Any) -> float:
     joints, fps = joints_of(motion, body, least=4, what="jerk")
     third = np.diff(joints, n=3, axis=0) * fps**3
     return float(np.linalg.norm(third, axis=-1).mean())
+
+
+def jitter(joints: Array, fps: float) -> float:
+    """Jitter [10 m/s^3]: the mean third difference of joint positions times fps^3, over 10.
+
+    Source: as EMDB's table has it, yohanshin/WHAM lib/eval/eval_utils.py, `compute_jitter`, after
+    TransPose (Yi et al. 2021). `jerk` is the same in m/s^3 over all 55 joints.
+
+    Args:
+        joints: Positions in the world (T, J, 3) [m], T >= 4.
+        fps: Frames per second.
+    """
+    third = np.diff(joints, n=3, axis=0) * fps**3
+    return float(np.linalg.norm(third, axis=-1).mean() / 10.0)
+
+
+def acceleration_error(joints: Array, truth: Array, fps: float) -> float:
+    """Accel [m/s^2]: mean distance between accelerations of joints and the true ones.
+
+    Second differences times fps^2, of positions relative to the middle of the hips.
+
+    Source: HMMR (Kanazawa et al. 2019), as yohanshin/WHAM lib/eval/eval_utils.py,
+    `compute_error_accel` after `batch_align_by_pelvis`.
+
+    Args:
+        joints: Positions (T, J, 3) [m], T >= 3.
+        truth: The true ones (T, J, 3) [m].
+        fps: Frames per second.
+    """
+    own, true = (p - p[:, HIPS].mean(axis=1, keepdims=True) for p in (joints, truth))
+    error = np.diff(own, n=2, axis=0) - np.diff(true, n=2, axis=0)
+    return float(fps**2 * np.linalg.norm(error, axis=-1).mean())

@@ -1,4 +1,4 @@
-"""Success: whether a motion has all frames of its reference."""
+"""Success: whether a motion has all frames of its reference, or stays near it (PHC)."""
 
 from __future__ import annotations
 
@@ -6,7 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from halfphysics.metrics.argument_checks import check_motion
+from halfphysics.metrics.argument_checks import Array, check_motion
+
+#: Mean joint error over which a clip is a failure of PHC [m].
+FAR = 0.5
 
 
 def success(motion: Any | None, asked: Any) -> bool:
@@ -29,3 +32,18 @@ def success(motion: Any | None, asked: Any) -> bool:
     same = len(motion) == len(asked) and abs(motion.fps - asked.fps) <= 1e-6 * abs(asked.fps)
     arrays = (np.asarray(motion.translation), np.asarray(motion.rotations))
     return same and all(bool(np.isfinite(a).all()) and len(a) == len(asked) for a in arrays)
+
+
+def phc_success(joints: Array, truth: Array) -> bool:
+    """PHC's success: in no frame is the mean distance of the joints from the truth over 0.5 m.
+
+    Positions are those in the world, nothing is aligned. The share of clips for which this holds is
+    the success rate.
+
+    Source: Perpetual Humanoid Control (Luo et al. 2023), ZhengyiLuo/PHC.
+
+    Args:
+        joints: Positions (T, J, 3) [m].
+        truth: The true ones (T, J, 3) [m].
+    """
+    return bool((np.linalg.norm(joints - truth, axis=-1).mean(axis=1) <= FAR).all())

@@ -1,0 +1,50 @@
+"""`Verdict`: the values of the measures that were taken of a motion, and why others were not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+from halfphysics.metrics.measures import MEASURES, Measure
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Verdict:
+    """What the measures of `halfphysics.metrics.measures.MEASURES` say of a motion.
+
+    Attributes:
+        values: Key -> value; NaN where a measure has none (such as a stability error without any
+            frame in contact).
+        missing: Key -> why it was not taken: no scene, no truth, too few frames.
+        frames: Number of frames.
+        fps: Frames per second.
+    """
+
+    values: Mapping[str, float]
+    missing: Mapping[str, str]
+    frames: int
+    fps: float
+
+    def __post_init__(self) -> None:
+        for name in ("values", "missing"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
+
+    def __reduce__(self) -> Any:
+        # Views of mappings cannot be sent to another process.
+        fields = {"values": dict(self.values), "missing": dict(self.missing)}
+        return _verdict, (fields | {"frames": self.frames, "fps": self.fps},)
+
+    def __getitem__(self, key: str) -> float:
+        return self.values[key]
+
+    def rows(self) -> Iterator[tuple[Measure, float]]:
+        """The measures that were taken, with their values, in the order of tables."""
+        for measure in MEASURES:
+            if measure.key in self.values:
+                yield measure, self.values[measure.key]
+
+
+def _verdict(fields: dict[str, Any]) -> Verdict:
+    return Verdict(**fields)

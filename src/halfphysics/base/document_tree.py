@@ -15,6 +15,8 @@ from typing import Any
 from halfphysics.errors import FileError
 
 _MAX_DEPTH = 20  # scene files and sweep files need five
+#: Text that is read [bytes]: a moving thing of an hour at 30 fps is 13 MB.
+_MOST_BYTES = 2**24
 
 # YAML 1.2 numbers such as 1e3, which PyYAML (YAML 1.1) would take for text.
 _FLOAT = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$")
@@ -48,6 +50,12 @@ def read_tree(path: Path, keys: str) -> Entry:
     import yaml
 
     try:
+        size = path.stat().st_size
+        if size > _MOST_BYTES:
+            raise FileError(
+                f"{path}: {size / 2**20:.0f} MiB, expected at most {_MOST_BYTES / 2**20:.0f} MiB of "
+                "text. Put meshes into files of their own"
+            )
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise FileError(f"{path}: not a text file (UTF-8): {error}") from None

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.atomic import atomic_write
-from halfphysics.base.npz import DAMAGE
+from halfphysics.base.npz import DAMAGE, MAX_MEMBERS, MAX_RATIO
+from halfphysics.base.pickle_budget import FREE_BYTES, spend
 from halfphysics.base.pickle_placeholders import MAX_BYTES, Placeholder, Refused
 from halfphysics.base.restricted_pickle import Guests, loads
 from halfphysics.errors import FileError
@@ -56,11 +57,15 @@ def read(path: Path) -> Any:
     """
     try:
         with zipfile.ZipFile(path) as archive:
+            size = path.stat().st_size
             total = sum(info.file_size for info in archive.infolist())
-            if total > MAX_BYTES:
+            # torch does not compress: so much comes of zeros that somebody packed again.
+            most = min(MAX_BYTES, max(FREE_BYTES, MAX_RATIO * size))
+            if total > most or len(archive.infolist()) > MAX_MEMBERS:
                 raise FileError(
-                    f"{path}: unpacks to {total / 2**30:.1f} GiB, expected at most "
-                    f"{MAX_BYTES / 2**30:.0f} GiB"
+                    f"{path}: unpacks from {size / 2**20:.1f} MiB to {total / 2**20:.0f} MiB in "
+                    f"{len(archive.infolist())} members, expected at most {most / 2**20:.0f} MiB "
+                    f"in {MAX_MEMBERS}"
                 )
             inner = next(name for name in archive.namelist() if name.endswith(_PICKLE))
             return _Reader(archive, inner.removesuffix(_PICKLE), path).data
@@ -82,7 +87,9 @@ class _Reader:
         rebuild = {"_rebuild_tensor_v2": _tensor, "_rebuild_parameter": _parameter}
         guests = Guests(globals={"torch": types, "torch._utils": rebuild}, persistent=self._storage)
         #: The object that the file holds.
-        self.data = loads(archive.read(f"{root}{_PICKLE}"), path, guests)
+        self.data = loads(
+            archive.read(f"{root}{_PICKLE}"), path, guests, on_disk=path.stat().st_size
+        )
 
     def _storage(self, pid: Any) -> _Storage:
         kind, key = (pid[1], pid[2]) if isinstance(pid, tuple) and len(pid) >= 3 else (None, None)
@@ -91,6 +98,7 @@ class _Reader:
         if key not in self._storages:
             dtype = np.dtype(_TYPES[kind])
             raw = self._archive.read(f"{self._root}/data/{key}")
+            spend(len(raw))
             values = np.frombuffer(raw, dtype.newbyteorder(self._order))
             self._storages[key] = _Storage()
             self._storages[key].values = values.astype(dtype)
@@ -114,6 +122,7 @@ def _tensor(storage: Any, offset: Any, size: Any, stride: Any, *rest: Any) -> ND
     steps = [step * values.itemsize for step in stride]
     if not count:
         return np.zeros(size, values.dtype)
+    spend(count * values.itemsize)
     return np.lib.stride_tricks.as_strided(values[offset:], size, steps).copy()
 
 

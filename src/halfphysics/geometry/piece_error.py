@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.machine import cores
 from halfphysics.geometry.mesh import Mesh
 from halfphysics.geometry.mesh_queries import MeshQuery
 
@@ -73,14 +74,14 @@ def piece_error(mesh: Mesh, pieces: Sequence[Mesh]) -> PieceError:
         [_samples(p, max(EACH, int(SURFACE * _areas(p).sum() / total))) for p in pieces]
     )
     of_pieces = _covered(hulls, lattice)
-    of_mesh = mesh.query.inside(lattice)
-    out = np.concatenate([skin[~mesh.query.inside(skin)], lattice[of_pieces & ~of_mesh]])
-    outside = mesh.query.closest(out)[0].max() if len(out) else 0.0
+    of_mesh = mesh.query.inside(lattice, threads=cores())
+    out = np.concatenate([skin[~mesh.query.inside(skin, threads=cores())], lattice[of_pieces & ~of_mesh]])
+    outside = mesh.query.closest(out, threads=cores())[0].max() if len(out) else 0.0
     surface = _samples(mesh, SURFACE)
     bare = np.concatenate([surface[~_covered(hulls, surface)], lattice[of_mesh & ~of_pieces]])
     inside = 0.0
     if len(bare):
-        inside = np.min([h.query.closest(bare)[0] for h in hulls], axis=0).max()
+        inside = np.min([h.query.closest(bare, threads=cores())[0] for h in hulls], axis=0).max()
     volume = mesh.solid_volume
     # The difference of two counts of the same points has less variance than either count.
     more = (np.count_nonzero(of_pieces & ~of_mesh) - np.count_nonzero(of_mesh & ~of_pieces)) * cell

@@ -77,7 +77,10 @@ def surface(field, low, high, cell):
         outward = a[tuple(at.T)]
         base = at + step[u] + step[v]
         quad = np.stack(
-            [index[tuple((base - d).T)] for d in (step[u] + step[v], step[v], 0 * step[u], step[u])],
+            [
+                index[tuple((base - d).T)]
+                for d in (step[u] + step[v], step[v], 0 * step[u], step[u])
+            ],
             axis=1,
         )
         quad[~outward] = quad[~outward, ::-1]

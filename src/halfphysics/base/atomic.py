@@ -73,8 +73,8 @@ def _writer() -> str:
 def _remove_left(path: Path) -> None:
     """Remove what writers of `path` that were killed have left beside it.
 
-    A writer of this machine that runs no more has left its file; of another machine's, that the file
-    has not changed for a day.
+    A file is left if its writer was on this machine and runs no more, or if it has not changed for
+    a day.
     """
     mine = _writer().rpartition("-")[0]
     form = re.compile(rf"\.{re.escape(path.name)}\.(?:(\w+)-(\d+)\.)?\w+{re.escape(_SUFFIX)}")

@@ -35,11 +35,10 @@ def run(script: Path, request: bytes, *, seconds: float, memory: int) -> Answer:
         script: A Python file that imports nothing of this package.
         request: Bytes.
         seconds: Time after which it is ended.
-        memory: Bytes that it may allocate; the script sets the limit (`limit` below) itself, from
-            its first argument.
+        memory: Bytes that it may allocate; the script sets the limit itself, from its first
+            argument.
     """
     command = [sys.executable, "-I", str(script), str(memory)]
-    quiet = {"creationflags": getattr(subprocess, "CREATE_NO_WINDOW", 0)}
     one_thread = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")}
     try:
         done = subprocess.run(
@@ -50,7 +49,7 @@ def run(script: Path, request: bytes, *, seconds: float, memory: int) -> Answer:
             timeout=seconds,
             env={**os.environ, **one_thread},
             check=False,
-            **quiet,
+            creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
         )
     except subprocess.TimeoutExpired:
         return Answer(b"", f"took more than {seconds:g} s")

@@ -10,7 +10,7 @@ import zipfile
 import zlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -143,10 +143,11 @@ class Npz(Mapping[str, NDArray[Any]]):
                 if mark != b"PK\x03\x04" or flags & 1:
                     raise zipfile.BadZipFile("encrypted" if flags & 1 else "no member there")
                 handle.seek(name + extra, os.SEEK_CUR)
-                return zipfile.ZipExtFile(handle, "r", info, close_fileobj=True)
+                member: Any = zipfile.ZipExtFile(handle, "r", info, close_fileobj=True)
             except BaseException:
                 handle.close()
                 raise
+            return cast("IO[bytes]", member)
         except DAMAGE as error:
             raise self._damaged(key, str(error)) from None
 

@@ -145,9 +145,7 @@ def check_unfolded(root: Any, most: int) -> None:
     of(root)
 
 
-def _sum(
-    value: Any, of: Callable[[Any], tuple[int, int, int]]
-) -> tuple[int, int, int]:
+def _sum(value: Any, of: Callable[[Any], tuple[int, int, int]]) -> tuple[int, int, int]:
     if isinstance(value, np.ndarray):
         value = value.reshape(-1).tolist()
     items = value.values() if isinstance(value, dict) else value

@@ -60,7 +60,7 @@ class _Unpickler(_PythonUnpickler):  # type: ignore[misc]
         if depth > _MAX_DEPTH:
             raise ValueError("pickles within pickles")
         super().__init__(stream, encoding="latin1")
-        self.dispatch = _Metered(type(self).dispatch, budget)  # type: ignore[misc]
+        self.dispatch: Any = _Metered(type(self).dispatch, budget)  # type: ignore[misc]
         self._budget = budget
         self._stream = stream
         self._guests = guests
@@ -253,8 +253,8 @@ def loads(
         raise FileError(f"{name}: nested too deeply or too large ({error!r})") from None
     except Exception as error:  # a damaged pickle can fail in any way that Python knows
         raise FileError(
-            f"{name}: not a readable pickle ({type(error).__name__}: {error}). Is it truncated? "
-            "Download or copy the file again"
+            f"{name}: not a readable pickle ({type(error).__name__}: {str(error)[:200]}). Is it "
+            "truncated? Download or copy the file again"
         ) from None
 
 

@@ -18,6 +18,7 @@ from halfphysics.base.npz import DAMAGE, MAX_MEMBERS, MAX_RATIO
 from halfphysics.base.pickle_budget import FREE_BYTES, spend
 from halfphysics.base.pickle_placeholders import MAX_BYTES, Placeholder, Refused
 from halfphysics.base.restricted_pickle import Guests, loads
+from halfphysics.base.validation import shown
 from halfphysics.errors import FileError
 
 #: First number of a file of torch before 1.6, which is no zip archive.
@@ -118,7 +119,7 @@ def _tensor(storage: Any, offset: Any, size: Any, stride: Any, *rest: Any) -> ND
     fits = min((*size, *stride, offset), default=0) >= 0 and len(size) <= 32
     # A step of zero repeats numbers: never more of them than there are.
     if not fits or count > len(values) or (count and last >= len(values)):
-        raise ValueError(f"a tensor of shape {size} in a storage of {len(values)} numbers")
+        raise ValueError(f"a tensor of shape {shown(size)} in a storage of {len(values)} numbers")
     steps = [step * values.itemsize for step in stride]
     if not count:
         return np.zeros(size, values.dtype)

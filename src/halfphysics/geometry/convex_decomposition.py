@@ -140,7 +140,9 @@ def _pieces(mesh: Mesh, cut: Cut) -> list[Mesh]:
     ragged = sum(hull is None for hull in hulls)
     each = -1 if most is None else 1 + (most - len(solids)) // max(ragged, 1)
     pieces: list[Mesh] = []
-    with _progress(sum(len(s.faces) for s, hull in zip(solids, hulls, strict=True) if not hull)) as bar:
+    with _progress(
+        sum(len(s.faces) for s, hull in zip(solids, hulls, strict=True) if not hull)
+    ) as bar:
         for solid, hull in zip(solids, hulls, strict=True):
             if hull is not None:
                 pieces.append(hull)

@@ -75,7 +75,9 @@ def piece_error(mesh: Mesh, pieces: Sequence[Mesh]) -> PieceError:
     )
     of_pieces = _covered(hulls, lattice)
     of_mesh = mesh.query.inside(lattice, threads=cores())
-    out = np.concatenate([skin[~mesh.query.inside(skin, threads=cores())], lattice[of_pieces & ~of_mesh]])
+    out = np.concatenate(
+        [skin[~mesh.query.inside(skin, threads=cores())], lattice[of_pieces & ~of_mesh]]
+    )
     outside = mesh.query.closest(out, threads=cores())[0].max() if len(out) else 0.0
     surface = _samples(mesh, SURFACE)
     bare = np.concatenate([surface[~_covered(hulls, surface)], lattice[of_mesh & ~of_pieces]])

@@ -1,10 +1,10 @@
 """A clean, closed surface around what a mesh encloses: the input that convex decomposition needs.
 
-A scan has many more triangles than contact needs, crosses itself where it is noisy, and has holes.
-Here its signed distance (negative inside, where the winding number is over 0.5, as in every query
-about the inside of a mesh) is sampled on a grid near the surface, and the zero level is cut out by
-surface nets (Gibson 1998): one vertex in every cell that the surface crosses, at the mean of the
-crossings of the cell's edges, and a quad about every edge that crosses it.
+A scan has many more triangles than contact needs and crosses itself where it is noisy. Here its
+signed distance (negative inside, where the winding number is over 0.5, as in every query about the
+inside of a mesh) is sampled on a grid near the surface, and the zero level is cut out by surface
+nets (Gibson 1998): one vertex in every cell that the surface crosses, at the mean of the crossings
+of the cell's edges, and a quad about every edge that crosses it.
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ def cell_for(mesh: Mesh, quads: int, least: float) -> float:
     """The size of cells [m] at which the surface has about so many quads, at least `least`."""
     size = math.sqrt(_CROSSED * _area(mesh) / quads)
     box = float(np.prod(np.ptp(mesh.vertices, axis=0)))
-    return max(size, least, (box / _MOST_POINTS) ** (1.0 / 3.0))
+    return float(max(size, least, (box / _MOST_POINTS) ** (1.0 / 3.0)))
 
 
 def remeshed(mesh: Mesh, cell: float) -> Mesh:
-    """The surface of what `mesh` encloses, from cells of size `cell` [m].
+    """The surface of what a closed `mesh` encloses, from cells of size `cell` [m].
 
     Details and walls thinner than a cell are lost: measure what comes of it.
 
@@ -54,7 +54,7 @@ def remeshed(mesh: Mesh, cell: float) -> Mesh:
     vertices, faces = _surface(value)
     if not len(faces):
         raise InputError("Mesh: encloses nothing")
-    return Mesh(origin + cell * vertices, faces)
+    return Mesh(origin + cell * vertices, faces.astype(np.int32))
 
 
 def _area(mesh: Mesh) -> float:
@@ -91,7 +91,7 @@ def _distances(mesh: Mesh, origin: Array, cell: float, count: NDArray[np.int_]) 
 def _surface(value: Array) -> tuple[Array, NDArray[np.int64]]:
     """Vertices (V, 3), in cells, and outward triangles (F, 3) of the zero level."""
     cells = tuple(n - 1 for n in value.shape)
-    touched, crossings, quads = [], [], []
+    touched, crossings = [], []
     for axis in range(3):
         along = np.eye(3, dtype=int)[axis]
         u, v = np.eye(3, dtype=int)[(axis + 1) % 3], np.eye(3, dtype=int)[(axis + 2) % 3]
@@ -109,7 +109,7 @@ def _surface(value: Array) -> tuple[Array, NDArray[np.int64]]:
         touched.append(cell)
         crossings.append(np.repeat(place, 4, axis=0))
     quads = np.concatenate(touched)
-    used, index = np.unique(quads, return_inverse=True)
+    _, index = np.unique(quads, return_inverse=True)
     index = index.reshape(quads.shape)
     total = np.stack(
         [np.bincount(index.ravel(), column) for column in np.concatenate(crossings).T], axis=1

@@ -53,7 +53,9 @@ def simplified(mesh: Mesh, triangles: int, tolerance: float) -> Mesh:
         if spare <= 0:
             break
         ends, place, cost = _collapses(vertices, faces, quadric, tolerance)
-        cheap = cost <= np.quantile(cost, _CHEAP) if len(cost) else []
+        if not len(cost):
+            break
+        cheap = cost <= np.quantile(cost, _CHEAP)
         ends, place, cost = ends[cheap], place[cheap], cost[cheap]
         # In any order, another in every round: an edge that turns a triangle over would hold back
         # those about it for ever.
@@ -74,7 +76,7 @@ def simplified(mesh: Mesh, triangles: int, tolerance: float) -> Mesh:
         used, faces = np.unique(faces, return_inverse=True)
         faces = faces.reshape(-1, 3)
         vertices, quadric = vertices[used], quadric[used]
-    return Mesh(vertices, faces)
+    return Mesh(vertices, faces.astype(np.int32))
 
 
 def _quadrics(vertices: Array, faces: Indices) -> Array:

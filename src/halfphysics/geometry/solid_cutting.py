@@ -91,7 +91,7 @@ def _fewer(solid: Mesh, threshold: float) -> Mesh:
 
 
 def _worst(solid: Mesh, pieces: list[Mesh]) -> float:
-    """Roughly how far pieces stick out of a solid, or it out of them [m]; `piece_error` measures."""
+    """Roughly how far pieces stick out of a solid, or it out of them [m]."""
     hulls = [Hull(piece) for piece in pieces]
     corners = np.concatenate([piece.vertices for piece in pieces])
     out = corners[~solid.query.inside(corners)]
@@ -104,9 +104,7 @@ def _worst(solid: Mesh, pieces: list[Mesh]) -> float:
     return max(outside, float(np.min([h.query.closest(bare)[0] for h in hulls], axis=0).max()))
 
 
-def _cut(
-    coacd: object, surface: Mesh, threshold: float, most: int, *, clean: bool
-) -> list[Mesh]:
+def _cut(coacd: object, surface: Mesh, threshold: float, most: int, *, clean: bool) -> list[Mesh]:
     """Convex pieces of a surface; `clean`: it needs no voxels, which thicken it."""
     half = 0.5 * float(np.ptp(surface.vertices, axis=0).max())
     found = coacd.run_coacd(  # type: ignore[attr-defined]

@@ -35,7 +35,7 @@ def complete_urdf(mujoco: Any, spec: Any) -> None:
 
 def contents(model: Any) -> tuple[dict[str, Any], dict[str, Any]]:
     """Names and counts, and the arrays, of a compiled model. Older versions lack some arrays."""
-    head = {name: int(getattr(model, name)) for name in COUNTS}
+    head: dict[str, Any] = {name: int(getattr(model, name)) for name in COUNTS}
     head["bodies"] = [model.body(b).name for b in range(model.nbody)]
     head["joints"] = [model.joint(j).name for j in range(model.njnt)]
     return head, {name: getattr(model, name) for name in ARRAYS if hasattr(model, name)}
@@ -56,7 +56,8 @@ def _limit(memory: int) -> None:
             continue
 
 
-def _read(request: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+def read(request: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Names and counts, and the arrays; or an error and what MuJoCo was doing."""
     import mujoco
 
     try:
@@ -80,7 +81,7 @@ def main() -> None:
     import numpy as np
 
     try:
-        head, arrays = _read(request)
+        head, arrays = read(request)
     except MemoryError:
         head, arrays = {"error": "it needs too much memory", "in": "read"}, {}
     answer = io.BytesIO()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 import warnings
@@ -30,7 +31,11 @@ _ELLIPSOID_POINTS = 300
 _MOST_INCLUDES = 100
 #: Links of one object, and bytes of its file: the largest humanoids have a hundred links.
 _MOST_LINKS, _MOST_BYTES = 500, 2**26
-_TEXTURE_FILES = ("fileright", "fileleft", "fileup", "filedown", "filefront", "fileback")
+#: Attributes that name files, and the folders in which they are.
+_FILE_KEYS = (
+    "file", "filename", "fileright", "fileleft", "fileup", "filedown", "filefront", "fileback",
+)  # fmt: skip
+_DIRS = ("meshdir", "texturedir", "assetdir")
 
 
 def load_articulated(
@@ -87,7 +92,11 @@ def _model(what: str, source: Any) -> tuple[CompiledModel, dict[str, Any]]:
         root = _checked_xml(what, content.decode(), path)
     except UnicodeDecodeError:
         raise FileError(f"{what}: {path}: found no text, expected {_SOURCES}") from None
-    model = compiled(what, {"path": str(path), "urdf": root.tag == "robot"})
+    model = compiled(
+        what,
+        {"path": str(path), "urdf": root.tag == "robot"},
+        assets=_asset_bytes(root, path.resolve().parent),
+    )
     digest = hashlib.sha256(content).hexdigest()
     return model, {"source": MeshSource(path=str(path.resolve()), sha256=digest)}
 
@@ -134,18 +143,33 @@ def _check_size(where: str, root: Any) -> None:
 
 
 def _check_files(where: str, root: Any, base: Path | None) -> None:
-    """Meshes, textures and models that it names are files: a pipe or a device never ends."""
-    for element in root.iter():
-        for key in ("file", "filename", *_TEXTURE_FILES):
-            name = element.get(key)
-            if not name or base is None:
-                continue
-            # MuJoCo looks in folders that the file may name (meshdir), so one missing here may be
-            # there; there the limit of time stands.
-            if _is_no_file(base / name) or _is_no_file(base / Path(name).name):
-                raise InputError(
-                    f"{where}: {name!r} is a pipe, a device or a folder, expected a file"
-                )
+    """Meshes and textures that it names are files: reading a pipe or a device never ends."""
+    for path in _named_files(root, base):
+        if _is_no_file(path):
+            raise InputError(
+                f"{where}: {path.name!r} is a pipe, a device or a folder, expected a file"
+            )
+
+
+def _named_files(root: Any, base: Path | None) -> list[Path]:
+    """Where the meshes and textures that a model names may be."""
+    if base is None:
+        return []
+    folders = [
+        base,
+        *(base / e.get(key) for e in root.iter("compiler") for key in _DIRS if key in e.attrib),
+    ]
+    names = [e.get(key) for e in root.iter() for key in _FILE_KEYS if e.get(key)]
+    return [folder / name for folder in folders for n in names for name in (n, Path(n).name)]
+
+
+def _asset_bytes(root: Any, base: Path) -> int:
+    """Size of the meshes and textures that a model names [bytes]."""
+    total = 0
+    for path in {*_named_files(root, base)}:
+        with contextlib.suppress(OSError, ValueError):
+            total += path.stat().st_size
+    return total
 
 
 def _is_no_file(path: Path) -> bool:

@@ -14,9 +14,10 @@ from halfphysics.base import limited_child
 from halfphysics.errors import InputError
 from halfphysics.scene import mjcf_child
 
-#: Time for MuJoCo to read and compile a file [s], and memory [bytes]. Robots of a hundred links
-#: with their meshes take a second.
+#: Time for MuJoCo to read and compile a file [s], and memory [bytes]; and for every byte of its
+#: meshes and textures [s, bytes]. A robot of a hundred links takes 0.1 s, a MB of meshes 0.2 s.
 SECONDS, MEMORY = 4.0, 2**30
+SECONDS_PER_BYTE, MEMORY_PER_BYTE = 2e-6, 32
 #: Bytes of the arrays that come back: a hundred meshes of 10,000 vertices are 12 MB.
 _MOST_BYTES = 2**28
 #: The meaning of an error, by what MuJoCo was doing.
@@ -45,29 +46,31 @@ class CompiledModel:
         raise AttributeError(name)
 
 
-def compiled(what: str, source: dict[str, Any]) -> CompiledModel:
+def compiled(what: str, source: dict[str, Any], *, assets: int = 0) -> CompiledModel:
     """The model of a file or a text.
 
     Args:
         what: Name for messages.
         source: `path` or `xml`, and `urdf`: whether it is URDF.
+        assets: Bytes of the meshes and textures that it names.
 
     Raises:
         InputError: MuJoCo cannot read or compile it, within `SECONDS` and `MEMORY`, or crashes.
     """
+    seconds, memory = SECONDS + SECONDS_PER_BYTE * assets, MEMORY + MEMORY_PER_BYTE * assets
     if not limited_child.can_start():
-        head, arrays = mjcf_child._read(source)
+        head, arrays = mjcf_child.read(source)
     else:
         answer = limited_child.run(
             Path(mjcf_child.__file__),
             json.dumps(source).encode(),
-            seconds=SECONDS,
-            memory=MEMORY,
+            seconds=seconds,
+            memory=memory,
         )
         if answer.failure:
             raise InputError(
-                f"{what}: {answer.failure}, expected a model that MuJoCo reads within {SECONDS:g} "
-                f"s and {MEMORY / 2**30:.0f} GiB. Does it include, attach or replicate itself?"
+                f"{what}: {answer.failure}, expected a model that MuJoCo reads within "
+                f"{seconds:.0f} s and {memory / 2**30:.1f} GiB. Does it attach or replicate itself?"
             )
         head, arrays = _parsed(answer.output)
     if "error" in head:

@@ -87,7 +87,7 @@ COVERED_BY = {
     "halfphysics/formats/results/*.py": "formats/results/test_result_file.py",
     "halfphysics/geometry/colliders.py": "native/geometry/test_convex.py",
     "halfphysics/geometry/contact_pieces.py": "simulation/test_hollow_objects.py",
-    "halfphysics/geometry/mesh_file_checks.py": "geometry/test_mesh_files.py formats/test_hostile.py",
+    "halfphysics/geometry/mesh_file_checks.py": "formats/test_hostile.py",
     "halfphysics/geometry/mesh.py": "geometry/test_mesh_files.py geometry/test_shapes.py",
     "halfphysics/geometry/parallel_rays.py": "geometry/test_piece_error.py",
     "halfphysics/geometry/piece_cache.py": "geometry/test_convex_decomposition.py",

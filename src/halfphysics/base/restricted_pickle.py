@@ -60,7 +60,8 @@ class _Unpickler(_PythonUnpickler):  # type: ignore[misc]
         if depth > _MAX_DEPTH:
             raise ValueError("pickles within pickles")
         super().__init__(stream, encoding="latin1")
-        self.dispatch: Any = _Metered(type(self).dispatch, budget)  # type: ignore[misc]
+        # `load` looks every operation up in it.
+        self.dispatch = _Metered(type(self).dispatch, budget)  # type: ignore[assignment,misc]
         self._budget = budget
         self._stream = stream
         self._guests = guests

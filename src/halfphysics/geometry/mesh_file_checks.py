@@ -163,9 +163,13 @@ def _document(path: Path) -> dict[str, Any]:
         document = json.loads(content)
     except (ValueError, RecursionError, MemoryError) as error:
         reason = str(error)[:120]
-        raise FileError(f"{path}: cannot be read as a glTF mesh: its JSON: {reason}") from None
+        raise FileError(
+            f"{path}: cannot be read as a {path.suffix[1:]} mesh: its JSON: {reason}"
+        ) from None
     if not isinstance(document, dict):
-        raise FileError(f"{path}: cannot be read as a glTF mesh: its JSON is no object")
+        raise FileError(
+            f"{path}: cannot be read as a {path.suffix[1:]} mesh: its JSON is no object"
+        )
     return document
 
 

@@ -16,9 +16,9 @@ from halfphysics.errors import FileError, InputError, MissingDependencyError
 from halfphysics.geometry.mesh import Mesh, MeshSource
 from halfphysics.geometry.mesh_file_checks import FolderResolver, check_mesh_file
 
-#: Suffixes of the formats that are read; all but these two groups ignore what is beside the file.
+#: Suffixes of the formats that are read, and those that name materials and textures.
 FORMATS = ("obj", "glb", "gltf", "ply", "stl", "off")
-_WITH_MATERIALS = ("obj", "glb", "gltf")
+_WITH_MATERIALS = ("obj", "glb", "gltf", "ply")
 #: Triangles of one mesh: a scanned room has a few million.
 MOST_TRIANGLES = 10_000_000
 

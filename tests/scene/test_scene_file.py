@@ -274,7 +274,7 @@ def test_long_json_is_the_same_scene_and_as_strict(tmp_path: Path) -> None:
     text = json.dumps({"moving": {"a": moving}})
     assert len(text) > 2**18
     scene = Scene.load(_write(tmp_path, text, "long.json"))
-    np.testing.assert_array_equal(scene.moving["a"].positions, rows)
+    np.testing.assert_array_equal(scene.objects["a"].positions, rows)
     for old, new, message in (
         ('"radius": 1', '"radius": 1, "radius": 2', "key 'radius' is given twice"),
         ('"radius": 1', '"radus": 1', "unknown key 'radus'"),

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from halfphysics.errors import InputError, MissingDependencyError
 from halfphysics.geometry.mesh import Mesh
-from halfphysics.geometry.piece_error import Hull
+from halfphysics.geometry.piece_error import Hull, distance_to_union
 from halfphysics.geometry.remesh import cell_for, remeshed
 from halfphysics.geometry.simplify import is_manifold, simplified
 
@@ -101,7 +101,7 @@ def _worst(solid: Mesh, pieces: list[Mesh]) -> float:
         bare = bare[~hull.holds(bare)]
     if not len(bare):
         return outside
-    return max(outside, float(np.min([h.query.closest(bare)[0] for h in hulls], axis=0).max()))
+    return max(outside, float(distance_to_union(hulls, bare).max()))
 
 
 def _cut(coacd: object, surface: Mesh, threshold: float, most: int, *, clean: bool) -> list[Mesh]:

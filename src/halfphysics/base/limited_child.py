@@ -25,7 +25,8 @@ class Answer:
 
 def can_start() -> bool:
     """Whether there is an interpreter to start: programs that embed Python may have none."""
-    return bool(sys.executable) and Path(sys.executable).is_file()
+    frozen = getattr(sys, "frozen", False)  # then the executable is somebody's whole program
+    return not frozen and bool(sys.executable) and Path(sys.executable).is_file()
 
 
 def run(script: Path, request: bytes, *, seconds: float, memory: int) -> Answer:
@@ -38,7 +39,9 @@ def run(script: Path, request: bytes, *, seconds: float, memory: int) -> Answer:
         memory: Bytes that it may allocate; the script sets the limit itself, from its first
             argument.
     """
-    command = [sys.executable, "-I", str(script), str(memory)]
+    # -P: the modules beside the script stand in for no others; it finds what this process finds.
+    command = [sys.executable, "-P", str(script), str(memory)]
+    found = {"PYTHONPATH": os.pathsep.join(folder for folder in sys.path if folder)}
     one_thread = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")}
     try:
         done = subprocess.run(
@@ -47,7 +50,7 @@ def run(script: Path, request: bytes, *, seconds: float, memory: int) -> Answer:
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             timeout=seconds,
-            env={**os.environ, **one_thread},
+            env={**os.environ, **one_thread, **found},
             check=False,
             creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
         )

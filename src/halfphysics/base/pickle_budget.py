@@ -18,7 +18,7 @@ import numpy as np
 #: multiple of the file's size. Data sets store each number once or twice.
 FREE_BYTES, BYTES_PER_BYTE = 2**27, 4
 #: Operations likewise: an operation puts an object of 50 bytes or more on the stack and takes half
-#: a microsecond. Lists of numbers have one for every 9 bytes, files of long videos one for every 30.
+#: a microsecond. Lists of numbers have one in 9 bytes, files of long videos one in 30.
 FREE_OPERATIONS, OPERATIONS_PER_BYTE = 2_000_000, 0.25
 #: Keys whose hashes a file can choose (large numbers, fractions, tuples) are compared pair by pair
 #: where they are equal: a second for so many, of so many parts.

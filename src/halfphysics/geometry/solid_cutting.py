@@ -36,8 +36,9 @@ _SHARE = 0.5
 _SEARCH = {"mcts_iterations": 15, "mcts_nodes": 10, "mcts_max_depth": 1}
 #: The range of coacd's own threshold, a share of half the longest extent.
 _LEAST, _MOST = 0.01, 1.0
-#: An error of more [m] is no matter of the threshold: cuts went wrong, and another surface may do.
-_WRONG = 0.02
+#: An error of more, as a multiple of what is asked of coacd, is no matter of the threshold: cuts
+#: went wrong, and another surface may do.
+_WRONG = 5.0
 #: Points of the surface at which it is looked for.
 _LOOKS = 5_000
 
@@ -66,7 +67,7 @@ def pieces_of(solid: Mesh, threshold: float, most: int) -> list[Mesh]:
         worst = _worst(solid, pieces)
         if worst < least:
             best, least = pieces, worst
-        if least <= max(_WRONG, 4.0 * threshold) or most > 0:
+        if least <= _WRONG * max(threshold, _LEAST * _half(solid)) or most > 0:
             break
     return best
 
@@ -106,10 +107,9 @@ def _worst(solid: Mesh, pieces: list[Mesh]) -> float:
 
 def _cut(coacd: object, surface: Mesh, threshold: float, most: int, *, clean: bool) -> list[Mesh]:
     """Convex pieces of a surface; `clean`: it needs no voxels, which thicken it."""
-    half = 0.5 * float(np.ptp(surface.vertices, axis=0).max())
     found = coacd.run_coacd(  # type: ignore[attr-defined]
         coacd.Mesh(surface.vertices, surface.faces),  # type: ignore[attr-defined]
-        threshold=min(max(threshold / half, _LEAST), _MOST),
+        threshold=min(max(threshold / _half(surface), _LEAST), _MOST),
         max_convex_hull=most,
         preprocess_mode="off" if clean or is_manifold(surface.faces) else "auto",
         seed=0,
@@ -125,6 +125,11 @@ def _cut(coacd: object, surface: Mesh, threshold: float, most: int, *, clean: bo
         if math.isfinite(hull.volume) and hull.volume > 0.0:
             pieces.append(hull)
     return pieces
+
+
+def _half(mesh: Mesh) -> float:
+    """Half the longest extent [m]: coacd's unit."""
+    return 0.5 * float(np.ptp(mesh.vertices, axis=0).max())
 
 
 def _any_faces(count: int) -> NDArray[np.int32]:

@@ -94,8 +94,10 @@ def _fewer(solid: Mesh, threshold: float) -> Mesh:
 def _worst(solid: Mesh, pieces: list[Mesh]) -> float:
     """Roughly how far pieces stick out of a solid, or it out of them [m]."""
     hulls = [Hull(piece) for piece in pieces]
-    corners = np.concatenate([piece.vertices for piece in pieces])
-    out = corners[~solid.query.inside(corners)]
+    # Corners, and the middles of faces: a hull over a hollow has its corners on the solid.
+    skin = np.concatenate([p.vertices[p.faces].mean(axis=1) for p in pieces])
+    skin = np.concatenate([skin, *(piece.vertices for piece in pieces)])
+    out = skin[~solid.query.inside(skin)]
     outside = float(solid.query.closest(out)[0].max()) if len(out) else 0.0
     bare = solid.vertices[:: -(-len(solid.vertices) // _LOOKS)]
     for hull in hulls:

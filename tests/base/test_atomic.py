@@ -5,6 +5,8 @@ from __future__ import annotations
 import errno
 import os
 import stat
+import subprocess
+import sys
 
 import pytest
 
@@ -43,6 +45,47 @@ def test_another_program_may_write_it(tmp_path):
         assert temporary.parent == tmp_path
         temporary.write_text("by another program")
     assert path.read_text() == "by another program"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="ends a process by a signal")
+def test_what_a_killed_writer_left_is_removed_by_the_next(tmp_path):
+    path = tmp_path / "film.mp4"
+    program = (
+        "import os, sys\nfrom halfphysics.base.atomic import atomic_write\n"
+        "with atomic_write(sys.argv[1]) as handle:\n"
+        "    handle.write(b'half')\n    handle.flush()\n    os.kill(os.getpid(), 9)\n"
+    )
+    subprocess.run([sys.executable, "-c", program, str(path)], check=False)
+    (left,) = os.listdir(tmp_path)
+    assert left.endswith(".part")
+    with atomic_write(tmp_path / "another"):  # not its own
+        pass
+    assert left in os.listdir(tmp_path)
+    with atomic_write(path) as handle:
+        assert len([name for name in os.listdir(tmp_path) if name.endswith(".part")]) == 1
+        # One that is being written by a process that runs stays.
+        with atomic_write(path) as second:
+            second.write(b"first")
+        handle.write(b"new")
+    assert path.read_bytes() == b"new"
+    assert sorted(os.listdir(tmp_path)) == ["another", "film.mp4"]
+
+
+def test_files_of_other_machines_stay_for_a_day(tmp_path):
+    path = tmp_path / "a.bin"
+    others = [tmp_path / name for name in (".a.bin.far-1.x1y2.part", ".a.bin.x1y2z3.part")]
+    mine = tmp_path / ".a.bin.notes.txt"
+    for file in (*others, mine):
+        file.write_bytes(b"")
+    with atomic_write(path):
+        pass
+    assert all(file.exists() for file in others)
+    for file in others:
+        os.utime(file, (1.0, 1.0))
+    with atomic_write(path):
+        pass
+    assert not any(file.exists() for file in others)
+    assert mine.exists()
 
 
 @pytest.mark.skipif(os.name != "posix", reason="rights of POSIX")

@@ -1,6 +1,9 @@
 """Where caches are: the environment says it."""
 
+import sys
 from pathlib import Path
+
+import pytest
 
 from halfphysics.base.cache_folder import cache_folder
 
@@ -17,7 +20,25 @@ def test_the_home_folder_is_the_last(monkeypatch, tmp_path):
     monkeypatch.delenv("HALFPHYSICS_CACHE")
     monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
     monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setattr(sys, "platform", "linux")
     assert cache_folder() == tmp_path / ".cache" / "halfphysics"
+
+
+@pytest.mark.parametrize(
+    ("platform", "where"),
+    [
+        ("linux", ".cache/halfphysics"),
+        ("darwin", "Library/Caches/halfphysics"),
+        ("win32", "Local/halfphysics/Cache"),
+    ],
+)
+def test_every_platform_has_its_folder(monkeypatch, tmp_path, platform, where):
+    monkeypatch.delenv("HALFPHYSICS_CACHE")
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.setattr(Path, "home", lambda: tmp_path)
+    monkeypatch.setenv("LOCALAPPDATA", str(tmp_path / "Local"))
+    monkeypatch.setattr(sys, "platform", platform)
+    assert cache_folder() == tmp_path / where
 
 
 def test_a_user_without_a_home_keeps_nothing(monkeypatch):

@@ -54,14 +54,21 @@ def test_arrays_of_objects_and_shared_objects(protocol: int) -> None:
     objects = np.empty((2, 2), dtype=object, order="F")
     # Arrays of equal shape: numpy would unfold them into more axes.
     objects[0, 0], objects[0, 1], objects[1, 0], objects[1, 1] = GRID, GRID + 1, "x", {"a": GRID}
-    loop: list[Any] = [GRID]
-    loop.append(loop)
-    out = loads(pickle.dumps({"objects": objects, "again": GRID, "loop": loop}, protocol))
+    out = loads(pickle.dumps({"objects": objects, "again": GRID, "list": [GRID]}, protocol))
     assert out["objects"].shape == (2, 2)
     np.testing.assert_array_equal(out["objects"][0, 1], GRID + 1)
     assert out["objects"][1, 0] == "x"
-    assert out["objects"][0, 0] is out["again"] is out["objects"][1, 1]["a"] is out["loop"][0]
-    assert out["loop"][1] is out["loop"]
+    assert out["objects"][0, 0] is out["again"] is out["objects"][1, 1]["a"] is out["list"][0]
+
+
+@pytest.mark.parametrize("protocol", range(pickle.HIGHEST_PROTOCOL + 1))
+def test_what_contains_itself_is_refused(protocol: int) -> None:
+    """numpy would unfold it without end."""
+    loop: list[Any] = [1.0]
+    loop.append({"again": loop})
+    for data in (loop, {"a": loop}):
+        with pytest.raises(FileError, match="contains itself"):
+            loads(pickle.dumps(data, protocol))
 
 
 @pytest.mark.parametrize("kind", ["csc_matrix", "csr_matrix", "coo_matrix", "csc_array"])

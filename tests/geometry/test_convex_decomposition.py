@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.geometry import convex_decomposition as decomposition
+from halfphysics.geometry import piece_cache
 from halfphysics.geometry.convex_decomposition import Cut, content_key, decompose, judged
 from halfphysics.geometry.shapes import Box, Mesh, Plane, Sphere
 from halfphysics.scene.scene import Scene
@@ -153,6 +155,31 @@ def test_a_cache_that_cannot_be_written_is_said(tmp_path, monkeypatch):
     with pytest.warns(HalfPhysicsWarning, match="cannot be kept.*HALFPHYSICS_CACHE"):
         thing = Scene().add_object("x", trimesh.util.concatenate(boxes), mass=1.0)
     assert len(thing.pieces) == 2
+
+
+def test_the_cache_keeps_what_was_used_last(tmp_path, monkeypatch):
+    monkeypatch.setenv("HALFPHYSICS_CACHE", str(tmp_path))
+    figures = np.zeros(3)
+    piece_cache.write("a", l_pieces(), figures)
+    size = (tmp_path / "pieces" / "a.npz").stat().st_size
+    monkeypatch.setattr(piece_cache, "MOST_BYTES", 3 * size + size // 2)
+    for age, key in ((50, "b"), (40, "c")):
+        piece_cache.write(key, l_pieces(), figures)
+        os.utime(tmp_path / "pieces" / f"{key}.npz", (age, age))
+    os.utime(tmp_path / "pieces" / "a.npz", (10, 10))
+    assert piece_cache.read("a") is not None  # used now: the newest
+    piece_cache.write("d", l_pieces(), figures)
+    assert sorted(path.stem for path in (tmp_path / "pieces").iterdir()) == ["a", "b", "d"]
+
+
+def test_a_line_says_that_a_mesh_is_cut(capfd, monkeypatch):
+    pytest.importorskip("coacd")
+    monkeypatch.setenv("HALFPHYSICS_CACHE", "off")
+    decompose(l_shape(), Cut(threshold=0.05))
+    assert capfd.readouterr().err == ""  # a moment's work
+    monkeypatch.setattr(decomposition, "_SAID", 1)
+    decompose(l_shape(), Cut(threshold=0.05))
+    assert "cutting a mesh into convex pieces: 100%" in capfd.readouterr().err
 
 
 @pytest.mark.slow

@@ -70,7 +70,7 @@ def test_same_file_same_mesh(tmp_path: Path) -> None:
     ("name", "content", "message"),
     [
         ("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "found no triangles|cannot be read"),
-        ("cloud.xyz", "0 0 0\n1 0 0\n0 1 0\n", "found no triangles"),
+        ("cloud.xyz", "0 0 0\n1 0 0\n0 1 0\n", "unknown kind of mesh '.xyz'"),
         ("bad.stl", "\0\1\2", "found no triangles|cannot be read as a stl mesh"),
         ("bad.glb", "this is no glTF", "cannot be read as a glb mesh"),
         ("nan.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n", "NaN or infinite"),

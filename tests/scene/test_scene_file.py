@@ -265,3 +265,29 @@ def test_the_documented_example_loads(tmp_path: Path) -> None:
     assert "ball" in scene.objects
     for key in ("version", "gravity", "statics", "objects", "friction", "ignore"):
         assert f"`{key}`" in page
+
+
+def test_long_json_is_the_same_scene_and_as_strict(tmp_path: Path) -> None:
+    """From a quarter of a million letters on it is read without the lines of its values."""
+    rows = np.random.default_rng(0).normal(size=(6_000, 3)).tolist()
+    moving = {"shape": "sphere", "radius": 1, "fps": 30, "positions": rows}
+    text = json.dumps({"moving": {"a": moving}})
+    assert len(text) > 2**18
+    scene = Scene.load(_write(tmp_path, text, "long.json"))
+    np.testing.assert_array_equal(scene.objects["a"].positions, rows)
+    for old, new, message in (
+        ('"radius": 1', '"radius": 1, "radius": 2', "key 'radius' is given twice"),
+        ('"radius": 1', '"radus": 1', "unknown key 'radus'"),
+        ('"radius": 1', '"radius": ' + "[" * 30 + "]" * 30, "nested too deeply"),
+        ('"radius": 1', '"radius": ' + "1" * 9_000, "not valid JSON"),
+    ):
+        with pytest.raises(FileError, match=message):
+            Scene.load(_write(tmp_path, text.replace(old, new), "long.json"))
+
+
+def test_files_far_too_long_are_not_read(tmp_path: Path) -> None:
+    for name, most in (("a.json", 16), ("a.yaml", 4)):
+        with (tmp_path / name).open("wb") as handle:
+            handle.truncate(most * 2**20 + 1)
+        with pytest.raises(FileError, match=f"{most} MiB of text, expected at most {most}"):
+            Scene.load(tmp_path / name)

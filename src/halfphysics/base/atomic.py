@@ -5,13 +5,20 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import re
+import socket
 import tempfile
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, Any
 
+from halfphysics.base.machine import is_running
 from halfphysics.base.validation import file_path
 from halfphysics.errors import FileError
+
+#: How files end that are being written, and the age at which nobody writes one any more [s].
+_SUFFIX, _OLD = ".part", 86_400.0
 
 
 @contextlib.contextmanager
@@ -19,7 +26,8 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
     """An empty file for another program to write that replaces `path` when the block ends.
 
     It lies beside the target (same file system, so that the replacement is one step) and is
-    removed when anything goes wrong.
+    removed when anything goes wrong; what a killed process left there is removed by the next
+    that writes `path`.
 
     Raises:
         FileError: The folder is missing, `path` is a folder, a pipe or a device, or writing fails.
@@ -33,9 +41,10 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         raise FileError(f"{path}: cannot write, this is a folder. Give a file name")
     if path.exists() and not path.is_file():
         raise FileError(f"{path}: cannot write, this is a pipe or a device. Give a file name")
+    _remove_left(path)
     try:
         descriptor, name = tempfile.mkstemp(
-            dir=path.parent, prefix=f".{path.name}.", suffix=".part"
+            dir=path.parent, prefix=f".{path.name}.{_writer()}.", suffix=_SUFFIX
         )
     except OSError as error:
         raise FileError(f"{path}: cannot write in {path.parent}: {reason(error)}") from None
@@ -53,6 +62,31 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
     finally:
         with contextlib.suppress(OSError):  # the first error is the one to report
             temporary.unlink(missing_ok=True)
+
+
+def _writer() -> str:
+    """Names this process in the names of its files: machine and number."""
+    machine = re.sub(r"[^A-Za-z0-9]", "", socket.gethostname())[:32] or "machine"
+    return f"{machine}-{os.getpid()}"
+
+
+def _remove_left(path: Path) -> None:
+    """Remove what writers of `path` that were killed have left beside it.
+
+    A file is left if its writer was on this machine and runs no more, or if it has not changed for
+    a day.
+    """
+    mine = _writer().rpartition("-")[0]
+    form = re.compile(rf"\.{re.escape(path.name)}\.(?:(\w+)-(\d+)\.)?\w+{re.escape(_SUFFIX)}")
+    with contextlib.suppress(OSError):
+        for entry in os.scandir(path.parent):
+            match = form.fullmatch(entry.name)
+            if match is None:
+                continue
+            with contextlib.suppress(OSError):  # another process removed it, or it is not ours
+                gone = match[1] == mine and not is_running(int(match[2]))
+                if gone or time.time() - entry.stat().st_mtime > _OLD:
+                    os.unlink(entry.path)
 
 
 def reason(error: OSError) -> str:

@@ -15,6 +15,13 @@ from typing import Any
 from halfphysics.errors import FileError
 
 _MAX_DEPTH = 20  # scene files and sweep files need five
+#: Text that is read [bytes], by suffix: a moving thing of an hour at 30 fps is 13 MB of JSON. YAML
+#: takes a second for each MB.
+_MOST_BYTES = {".json": 2**24, "": 2**22}
+#: Values that are read: each takes 300 bytes.
+_MOST_VALUES = 1_500_000
+#: JSON of more letters is read without the lines of its values: with them it takes as long as YAML.
+_LONG = 2**18
 
 # YAML 1.2 numbers such as 1e3, which PyYAML (YAML 1.1) would take for text.
 _FLOAT = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$")
@@ -48,18 +55,21 @@ def read_tree(path: Path, keys: str) -> Entry:
     import yaml
 
     try:
+        _check_size(path)
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise FileError(f"{path}: not a text file (UTF-8): {error}") from None
     except OSError as error:
         raise FileError(f"{path}: cannot be read: {error.strerror}") from None
+    if text.count(",") > _MOST_VALUES:
+        raise FileError(
+            f"{path}: more than {_MOST_VALUES} values, expected fewer. Put meshes into files of "
+            "their own"
+        )
     if path.suffix.lower() == ".json":
-        try:
-            json.loads(text)
-        except json.JSONDecodeError as error:
-            raise FileError(f"{path}, line {error.lineno}: not valid JSON: {error.msg}") from None
-        except RecursionError:
-            raise FileError(f"{path}: nested too deeply") from None
+        document = _json(path, text)
+        if len(text) > _LONG:
+            return plain_tree(document, path)
         # JSON is YAML but for tabs, which JSON allows between values only.
         text = text.replace("\t", " ")
     loader = _loader(yaml)(text)
@@ -79,12 +89,47 @@ def read_tree(path: Path, keys: str) -> Entry:
         loader.dispose()
 
 
-def plain_tree(value: Any, file: Path, where: str = "") -> Entry:
+def _check_size(path: Path) -> None:
+    size = path.stat().st_size
+    most = _MOST_BYTES.get(path.suffix.lower(), _MOST_BYTES[""])
+    if size > most:
+        raise FileError(
+            f"{path}: {size / 2**20:.0f} MiB of text, expected at most {most / 2**20:.0f}. Put "
+            "meshes into files of their own, or write it as .json, which is read faster"
+        )
+
+
+def _json(path: Path, text: str) -> Any:
+    """The plain data of JSON text."""
+
+    def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        found = dict(pairs)
+        if len(found) < len(pairs) and len(text) > _LONG:  # shorter ones: with their lines
+            names = [name for name, _ in pairs]
+            twice = next(name for name in names if names.count(name) > 1)
+            raise FileError(f"{path}: key {twice!r} is given twice; keep one")
+        return found
+
+    try:
+        return json.loads(text, object_pairs_hook=once)
+    except json.JSONDecodeError as error:
+        raise FileError(f"{path}, line {error.lineno}: not valid JSON: {error.msg}") from None
+    except (RecursionError, MemoryError):
+        raise FileError(f"{path}: nested too deeply") from None
+    except ValueError as error:  # a whole number of thousands of digits
+        raise FileError(f"{path}: not valid JSON: {error}") from None
+
+
+def plain_tree(value: Any, file: Path, where: str = "", depth: int = 0) -> Entry:
     """Plain data (of a document inside another file) as a tree; it has no lines of its own."""
+    if depth > _MAX_DEPTH:
+        raise FileError(f"{file}, {where}: nested too deeply")
     if isinstance(value, Mapping):
-        value = {k: plain_tree(v, file, f"{where}.{k}".lstrip(".")) for k, v in value.items()}
+        value = {
+            k: plain_tree(v, file, f"{where}.{k}".lstrip("."), depth + 1) for k, v in value.items()
+        }
     elif isinstance(value, list | tuple):
-        value = [plain_tree(v, file, f"{where}[{i}]") for i, v in enumerate(value)]
+        value = [plain_tree(v, file, f"{where}[{i}]", depth + 1) for i, v in enumerate(value)]
     return Entry(value=value, where=where, line=0, file=file)
 
 

@@ -52,6 +52,19 @@ def limit_memory(most: int) -> None:
         resource.setrlimit(resource.RLIMIT_DATA, (most, hard))
 
 
+def is_running(process: int) -> bool:
+    """Whether a process of this number runs on this machine; True where that cannot be told."""
+    if sys.platform == "win32":
+        return True
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return True
+
+
 def offer_to_the_killer() -> None:
     """Where memory runs out all the same, this process is ended rather than those it serves."""
     with contextlib.suppress(OSError):  # not Linux, or not allowed

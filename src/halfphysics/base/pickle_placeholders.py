@@ -8,13 +8,18 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
+from halfphysics.base.pickle_budget import spend
+
 #: Largest file that is read, and largest array that a sparse matrix may unfold to [bytes].
 MAX_BYTES = 4 * 2**30
-MAX_DENSE = 2**30
+MAX_DENSE = 2**28
+#: What a class counts for [bytes]: it takes as long to make as so much memory to fill.
+_CLASS = 20_000
 
 _SIMPLE_KINDS = "biufcSUO"
 
@@ -85,12 +90,18 @@ class _Sparse(Placeholder):
 
     def resolve(self, settle: Callable[[Any], Any]) -> Any:
         state = {str(key).lstrip("_"): value for key, value in settle(dict(self.state)).items()}
+        for key, value in state.items():
+            # A list may name others until it is as long as it likes.
+            plain = isinstance(value, (np.ndarray, str, int, float, type(None)))
+            if not (plain or key == "shape" or (key == "coords" and len(value) == 2)):
+                raise Refused(f"{self.origin} with {key} of {type(value).__name__}")
         rows, columns = (int(n) for n in state["shape"])
         data = np.asarray(state["data"])
         if data.dtype.kind not in "biuf":
             raise Refused(f"{self.origin} of {data.dtype}")
         if rows < 0 or columns < 0 or rows * columns * 8 > MAX_DENSE:
             raise Refused(f"{self.origin} of shape ({rows}, {columns}): too large")
+        spend(rows * columns * 8)
         if "indptr" in state:
             pointers = np.asarray(state["indptr"])
             if pointers[0] != 0 or pointers[-1] != len(data) or np.any(np.diff(pointers) < 0):
@@ -99,7 +110,7 @@ class _Sparse(Placeholder):
             minor = np.asarray(state["indices"])
             i, j = (minor, major) if "csc" in self.origin else (major, minor)
         elif "coords" in state:
-            i, j = (np.asarray(axis) for axis in state["coords"])
+            i, j = (_numbers(self.origin, axis) for axis in state["coords"])
         else:
             i, j = np.asarray(state["row"]), np.asarray(state["col"])
         dense = np.zeros((rows, columns))
@@ -118,13 +129,29 @@ class _Chumpy(Placeholder):
     def resolve(self, settle: Callable[[Any], Any]) -> Any:
         state = self.state if isinstance(self.state, dict) else {}
         if "x" in state:
-            return np.array(settle(state["x"]), dtype=np.float64)
+            return np.array(_numbers(self.origin, settle(state["x"])), dtype=np.float64)
         if "a" in state and "idxs" in state:
-            flat = np.asarray(settle(state["a"]), dtype=np.float64).reshape(-1)
-            picked = flat[np.asarray(settle(state["idxs"]), dtype=np.int64).reshape(-1)]
+            whole = _numbers(self.origin, settle(state["a"]))
+            places = _numbers(self.origin, settle(state["idxs"])).reshape(-1)
+            flat = np.asarray(whole, dtype=np.float64).reshape(-1)
+            picked = flat[np.asarray(places, dtype=np.int64)]
             shape = settle(state.get("preferred_shape"))
             return picked if shape is None else picked.reshape([int(n) for n in shape])
         raise Refused(f"{self.origin} (only plain arrays and selections of chumpy are read)")
+
+
+def _numbers(origin: str, value: Any) -> np.ndarray:
+    """An array of numbers of eight bytes each that is about to be copied.
+
+    Lists are refused: they may name one another until they are as long as they like.
+    """
+    if not isinstance(value, (np.ndarray, np.generic, int, float)):
+        raise Refused(f"{origin} of {type(value).__name__}")
+    array = np.asarray(value)
+    if array.dtype.kind not in "biuf":
+        raise Refused(f"{origin} of {array.dtype}")
+    spend(8 * array.size)
+    return array
 
 
 class InLineArray(Placeholder):
@@ -173,6 +200,7 @@ def _array(data: Any, dtype: Any, shape: Any, order: str) -> np.ndarray:
     if dtype.dtype.hasobject:
         if not isinstance(data, list) or len(data) != count:
             raise ValueError(f"numpy.ndarray of objects whose shape {shape} does not fit its list")
+        spend(8 * count)
         array = np.empty(count, dtype=object)
         order = "C"  # numpy lists objects row by row, whatever the order in memory
         for i, item in enumerate(data):  # array[:] = data would unfold arrays of equal shape
@@ -184,7 +212,8 @@ def _array(data: Any, dtype: Any, shape: Any, order: str) -> np.ndarray:
             raise ValueError(
                 f"numpy.ndarray of shape {shape} and {dtype.dtype} with {len(data)} bytes"
             )
-        array = np.frombuffer(bytes(data), dtype=dtype.dtype, count=count).copy()
+        spend(len(data))
+        array = np.frombuffer(data, dtype=dtype.dtype, count=count).copy()
     result: np.ndarray = array.reshape(shape, order=order)  # type: ignore[call-overload]
     return result
 
@@ -267,7 +296,14 @@ def global_of(module: str, name: str) -> Any:
         return known[name]
     origin = f"{module}.{name}"
     if module.split(".")[0] == "chumpy":
-        return type("_Chumpy", (_Chumpy,), {"origin": origin})
+        spend(_CLASS)
+        return _named(_Chumpy, origin)
     if module.startswith("scipy.sparse") and name in _SPARSE_NAMES:
-        return type("_Sparse", (_Sparse,), {"origin": origin})
+        return _named(_Sparse, origin)
     return None
+
+
+@lru_cache(maxsize=256)
+def _named(kind: type[Placeholder], origin: str) -> type[Placeholder]:
+    """The stand-in for a class of that name."""
+    return type(kind.__name__, (kind,), {"origin": origin})

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+from halfphysics.base.pickle_budget import Budget, TooCostly, check_unfolded, counted
 from halfphysics.base.pickle_placeholders import (
     MAX_BYTES,
     InLineArray,
@@ -53,10 +54,15 @@ class _Unpickler(_PythonUnpickler):  # type: ignore[misc]
 
     dispatch: ClassVar[dict[int, Any]] = dict(_PythonUnpickler.dispatch)
 
-    def __init__(self, stream: io.BytesIO, guests: Guests | None = None, depth: int = 0) -> None:
+    def __init__(
+        self, stream: io.BytesIO, budget: Budget, guests: Guests | None = None, depth: int = 0
+    ) -> None:
         if depth > _MAX_DEPTH:
             raise ValueError("pickles within pickles")
         super().__init__(stream, encoding="latin1")
+        # `load` looks every operation up in it.
+        self.dispatch = _Metered(type(self).dispatch, budget)  # type: ignore[assignment,misc]
+        self._budget = budget
         self._stream = stream
         self._guests = guests
         self._depth = depth
@@ -87,7 +93,50 @@ class _Unpickler(_PythonUnpickler):  # type: ignore[misc]
             target.read(self._stream, self._nested)
 
     def _nested(self, stream: io.BytesIO) -> Any:
-        return _Unpickler(stream, self._guests, self._depth + 1).load()
+        return _Unpickler(stream, self._budget, self._guests, self._depth + 1).load()
+
+    # Calls and keys, which may cost more than the bytes that ask for them.
+
+    def load_reduce(self) -> None:
+        arguments = self.stack.pop()
+        self._budget.call(self.stack[-1], arguments)
+        self.stack[-1] = self.stack[-1](*arguments)
+
+    def load_newobj(self) -> None:
+        arguments = self.stack.pop()
+        kind = self.stack.pop()
+        self._budget.call(kind, arguments)
+        self.append(kind.__new__(kind, *arguments))
+
+    def load_newobj_ex(self) -> None:
+        named = self.stack.pop()
+        if named:
+            raise Refused("an object with named arguments")
+        self.load_newobj()
+
+    def _instantiate(self, kind: Any, arguments: Any) -> None:
+        self._budget.call(kind, arguments)
+        super()._instantiate(kind, arguments)
+
+    def load_setitem(self) -> None:
+        self._budget.check_keys(self.stack[-2:-1])
+        super().load_setitem()
+
+    def load_setitems(self) -> None:
+        self._budget.check_keys(self.stack[::2])
+        super().load_setitems()
+
+    def load_additems(self) -> None:
+        self._budget.check_keys(self.stack)
+        super().load_additems()
+
+    def load_frozenset(self) -> None:
+        self._budget.check_keys(self.stack)
+        super().load_frozenset()
+
+    def load_dict(self) -> None:
+        self._budget.check_keys(self.stack[::2])
+        super().load_dict()
 
     def load_bytearray8(self) -> None:
         # The original allocates the size that the file claims before it reads.
@@ -96,6 +145,27 @@ class _Unpickler(_PythonUnpickler):  # type: ignore[misc]
 
     dispatch[pickle.BUILD[0]] = load_build
     dispatch[pickle.BYTEARRAY8[0]] = load_bytearray8
+    dispatch[pickle.REDUCE[0]] = load_reduce
+    dispatch[pickle.NEWOBJ[0]] = load_newobj
+    dispatch[pickle.NEWOBJ_EX[0]] = load_newobj_ex
+    dispatch[pickle.SETITEM[0]] = load_setitem
+    dispatch[pickle.SETITEMS[0]] = load_setitems
+    dispatch[pickle.ADDITEMS[0]] = load_additems
+    dispatch[pickle.FROZENSET[0]] = load_frozenset
+    dispatch[pickle.DICT[0]] = load_dict
+
+
+class _Metered:
+    """The table of operations; each look-up is one operation of the budget."""
+
+    def __init__(self, table: dict[int, Any], budget: Budget) -> None:
+        self._table, self._budget = table, budget
+
+    def __getitem__(self, code: int) -> Any:
+        self._budget.operations -= 1
+        if self._budget.operations < 0:
+            raise TooCostly("it has far more operations than data")
+        return self._table[code]
 
 
 def _settled(root: Any) -> Any:
@@ -112,7 +182,7 @@ def _settled(root: Any) -> Any:
         key = id(value)
         if key in done:
             if done[key] is busy:
-                raise ValueError("an object that contains itself")
+                raise TooCostly("an object that contains itself")
             return done[key]
         alive.append(value)
         # Lists and dicts are filled in place, so that they may contain themselves.
@@ -143,24 +213,53 @@ def _settled(root: Any) -> Any:
 
 
 def loads(
-    data: bytes, name: str | os.PathLike[str] = "pickle", guests: Guests | None = None
+    data: bytes,
+    name: str | os.PathLike[str] = "pickle",
+    guests: Guests | None = None,
+    *,
+    on_disk: int | None = None,
 ) -> Any:
     """The data of a pickle in memory; messages call it `name`.
 
-    `guests`: additional names of a format that is built on pickles.
+    Args:
+        data: The pickle.
+        name: The file, for messages.
+        guests: Additional names of a format that is built on pickles.
+        on_disk: Bytes of the file on the disk, if they are others than `data`: what the pickle may
+            cost is measured against them.
 
     Raises:
-        FileError: It holds or calls anything but data, or is damaged or truncated.
+        FileError: It holds or calls anything but data, is damaged or truncated, or costs far more
+            than a file of its size should.
     """
-    return load_from(io.BytesIO(data), name, guests)
+    on_disk = len(data) if on_disk is None else on_disk
+    budget = Budget(max(len(data), on_disk), on_disk)
+    return load_from(io.BytesIO(data), name, guests, budget)
 
 
 def load_from(
-    stream: io.BytesIO, name: str | os.PathLike[str] = "pickle", guests: Guests | None = None
+    stream: io.BytesIO,
+    name: str | os.PathLike[str] = "pickle",
+    guests: Guests | None = None,
+    budget: Budget | None = None,
 ) -> Any:
-    """The data of the next pickle in a stream, which is left right behind it; as `loads`."""
+    """The data of the next pickle in a stream, which is left right behind it; as `loads`.
+
+    `budget`: what it may cost; None: what a file of the stream's size may.
+    """
+    if budget is None:
+        size = stream.getbuffer().nbytes
+        budget = Budget(size, size)
     try:
-        return _settled(_Unpickler(stream, guests).load())
+        with counted(budget):
+            root = _settled(_Unpickler(stream, budget, guests).load())
+        check_unfolded(root, budget.unfolded)
+        return root
+    except TooCostly as costly:
+        raise FileError(
+            f"{name}: {costly}; expected data that is about as large as its file. Nobody's motion "
+            "is stored so: do not trust it, or save its arrays as .npz"
+        ) from None
     except Refused as refused:
         raise FileError(
             f"{name}: unsafe or unknown content: the pickle names {refused}. Read are only numpy "
@@ -171,8 +270,8 @@ def load_from(
         raise FileError(f"{name}: nested too deeply or too large ({error!r})") from None
     except Exception as error:  # a damaged pickle can fail in any way that Python knows
         raise FileError(
-            f"{name}: not a readable pickle ({type(error).__name__}: {error}). Is it truncated? "
-            "Download or copy the file again"
+            f"{name}: not a readable pickle ({type(error).__name__}: {str(error)[:200]}). Is it "
+            "truncated? Download or copy the file again"
         ) from None
 
 

@@ -7,15 +7,17 @@ all go through `restricted_pickle`. Data comes out and nothing is run.
 from __future__ import annotations
 
 import bz2
+import io
 import lzma
 import pickle
 import zlib
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from halfphysics.base import restricted_pickle, torch_file
 from halfphysics.base.atomic import atomic_write
 from halfphysics.base.npy import Npy
+from halfphysics.base.pickle_budget import FREE_BYTES
 from halfphysics.base.pickle_placeholders import MAX_BYTES
 from halfphysics.errors import FileError
 
@@ -25,7 +27,10 @@ _SUFFIXES = (".pkl", ".pickle", ".p", ".joblib", ".pt", ".pth")
 _ZIP, _NPY, _LZ4 = b"PK", b"\x93NUMPY", b"\x04\x22M\x18"
 #: The first bytes of a BVH file, and those that may precede them.
 _BVH, _BLANK = b"HIERARCHY", b"\xef\xbb\xbf \t\r\n"
-_CHUNK = 2**20
+#: Bytes that tell how a file is compressed; bytes that are unpacked and read at a time.
+_HEAD, _CHUNK, _SLICE = 6, 2**20, 2**16
+#: Dumps of motions compress to a fifth at best.
+_RATIO = 50
 
 
 def is_stored(path: Path, head: bytes) -> bool:
@@ -54,11 +59,10 @@ def read(path: Path) -> Any:
             size = path.stat().st_size
             if size > MAX_BYTES:
                 raise _too_large(path, size)
-            data = handle.read()
+            data = _unpacked(path, handle, size)
     except OSError as error:
         raise FileError(f"{path}: cannot read: {error.strerror}") from None
-    data = _unpacked(path, data)
-    content = restricted_pickle.loads(data, path, torch_file.INLINE)
+    content = restricted_pickle.loads(data, path, torch_file.INLINE, on_disk=size)
     if head == _NPY and getattr(content, "size", 0) == 1:
         return content.item()  # numpy.save of a dict
     if isinstance(content, int) and content == torch_file.OLD_MAGIC:
@@ -66,39 +70,53 @@ def read(path: Path) -> Any:
     return content
 
 
-def _unpacked(path: Path, data: bytes) -> bytes:
-    """`data` decompressed, where it is compressed as joblib does it."""
-    unpacker: Any
-    if data[:2] == b"\x1f\x8b" or data[:1] == b"\x78":
-        unpacker = zlib.decompressobj(wbits=47)  # zlib or gzip
-    elif data[:3] == b"BZh":
-        unpacker = bz2.BZ2Decompressor()
-    elif data[:6] == b"\xfd7zXZ\x00" or data[:3] == b"]\x00\x00":
-        unpacker = lzma.LZMADecompressor()
-    elif data[:4] == _LZ4:
-        raise FileError(
-            f"{path}: compressed with lz4, which is not read. Save it again with "
-            "joblib.dump(..., compress=3)"
-        )
-    else:
-        return data
+def _unpacked(path: Path, handle: IO[bytes], size: int) -> bytes:
+    """The rest of a file of `size` bytes, decompressed where it is compressed as joblib does it."""
+    head = handle.peek(_HEAD)[:_HEAD] if isinstance(handle, io.BufferedReader) else b""
+    unpacker = _unpacker(path, head)
+    if unpacker is None:
+        return handle.read()
     pieces: list[bytes] = []
-    total = 0
+    total, packed, most = 0, b"", max(FREE_BYTES, _RATIO * size)
     try:
         while not unpacker.eof:
-            piece = unpacker.decompress(data, _CHUNK)
-            data = getattr(unpacker, "unconsumed_tail", b"")
+            if not packed and getattr(unpacker, "needs_input", True):
+                packed = handle.read(_SLICE)
+            piece = unpacker.decompress(packed, _CHUNK)
+            if not packed and not piece:
+                raise EOFError("it ends in the middle")
+            packed = getattr(unpacker, "unconsumed_tail", b"")
             total += len(piece)
             if total > MAX_BYTES:
                 raise _too_large(path, total)
-            if not piece and not data and getattr(unpacker, "needs_input", True):
-                raise EOFError("it ends in the middle")
+            if total > most:
+                raise FileError(
+                    f"{path}: unpacks from {size / 2**20:.1f} MiB to {most / 2**20:.0f} MiB and "
+                    f"more, expected at most {_RATIO} times its size. If it is what it should "
+                    "be, unpack it first"
+                )
             pieces.append(piece)
-    except (zlib.error, lzma.LZMAError, OSError, ValueError, EOFError) as error:
+    except (zlib.error, lzma.LZMAError, OSError, ValueError, EOFError, MemoryError) as error:
         raise FileError(
             f"{path}: damaged or truncated ({error}). Download or copy the file again"
         ) from None
     return b"".join(pieces)
+
+
+def _unpacker(path: Path, head: bytes) -> Any:
+    """What decompresses a file that begins so; None: it is not compressed."""
+    if head[:2] == b"\x1f\x8b" or head[:1] == b"\x78":
+        return zlib.decompressobj(wbits=47)  # zlib or gzip
+    if head[:3] == b"BZh":
+        return bz2.BZ2Decompressor()
+    if head[:6] == b"\xfd7zXZ\x00" or head[:3] == b"]\x00\x00":
+        return lzma.LZMADecompressor(memlimit=FREE_BYTES)
+    if head[:4] == _LZ4:
+        raise FileError(
+            f"{path}: compressed with lz4, which is not read. Save it again with "
+            "joblib.dump(..., compress=3)"
+        )
+    return None
 
 
 def _too_large(path: Path, size: int) -> FileError:

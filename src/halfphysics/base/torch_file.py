@@ -19,9 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.atomic import atomic_write
-from halfphysics.base.npz import DAMAGE
+from halfphysics.base.npz import DAMAGE, MAX_MEMBERS, MAX_RATIO
+from halfphysics.base.pickle_budget import FREE_BYTES, spend
 from halfphysics.base.pickle_placeholders import MAX_BYTES, Placeholder, Refused
 from halfphysics.base.restricted_pickle import Guests, load_from, loads
+from halfphysics.base.validation import shown
 from halfphysics.errors import FileError
 
 #: First number of a file of torch before 1.6, which is no zip archive.
@@ -63,11 +65,15 @@ def read(path: Path) -> Any:
     """
     try:
         with zipfile.ZipFile(path) as archive:
+            size = path.stat().st_size
             total = sum(info.file_size for info in archive.infolist())
-            if total > MAX_BYTES:
+            # torch does not compress: so much comes of zeros that somebody packed again.
+            most = min(MAX_BYTES, max(FREE_BYTES, MAX_RATIO * size))
+            if total > most or len(archive.infolist()) > MAX_MEMBERS:
                 raise FileError(
-                    f"{path}: unpacks to {total / 2**30:.1f} GiB, expected at most "
-                    f"{MAX_BYTES / 2**30:.0f} GiB"
+                    f"{path}: unpacks from {size / 2**20:.1f} MiB to {total / 2**20:.0f} MiB in "
+                    f"{len(archive.infolist())} members, expected at most {most / 2**20:.0f} MiB "
+                    f"in {MAX_MEMBERS}"
                 )
             inner = next(name for name in archive.namelist() if name.endswith(_PICKLE))
             return _Reader(archive, inner.removesuffix(_PICKLE), path).data
@@ -87,12 +93,15 @@ class _Reader:
         self._order: Literal["<", ">"] = ">" if big else "<"
         guests = Guests(globals=_GLOBALS, persistent=self._storage)
         #: The object that the file holds.
-        self.data = loads(archive.read(f"{root}{_PICKLE}"), path, guests)
+        self.data = loads(
+            archive.read(f"{root}{_PICKLE}"), path, guests, on_disk=path.stat().st_size
+        )
 
     def _storage(self, pid: Any) -> _Storage:
         kind, key = _named(pid)
         if key not in self._storages:
             raw = self._archive.read(f"{self._root}/data/{key}")
+            spend(len(raw))
             self._storages[key] = _storage_of(kind, raw, self._order)
         return self._storages[key]
 
@@ -190,10 +199,11 @@ def _tensor(storage: Any, offset: Any, size: Any, stride: Any, *rest: Any) -> ND
     fits = min((*size, *stride, offset), default=0) >= 0 and len(size) <= 32
     # A step of zero repeats numbers: never more of them than there are.
     if not fits or count > len(values) or (count and last >= len(values)):
-        raise ValueError(f"a tensor of shape {size} in a storage of {len(values)} numbers")
+        raise ValueError(f"a tensor of shape {shown(size)} in a storage of {len(values)} numbers")
     steps = [step * values.itemsize for step in stride]
     if not count:
         return np.zeros(size, values.dtype)
+    spend(count * values.itemsize)
     return np.lib.stride_tricks.as_strided(values[offset:], size, steps).copy()
 
 

@@ -16,6 +16,7 @@ from halfphysics.base.npz_objects import NpzObjects
 from halfphysics.body.model_paths import GENDERS, find_model, gender_of
 from halfphysics.body.shape_space import ShapeSpace, Source
 from halfphysics.errors import FileError, InputError
+from halfphysics.geometry.mesh_file_checks import FolderResolver, check_mesh_file
 from halfphysics.motion.skeleton import (
     JOINT_INDEX,
     JOINT_NAMES,
@@ -338,8 +339,15 @@ def mesh_vertices(path: Path) -> Array:
         if suffix == ".ply":
             import trimesh
 
-            mesh: Any = trimesh.load(path, process=False)
+            check_mesh_file(path)
+            with path.open("rb") as stream:
+                resolver: Any = FolderResolver(path)
+                mesh: Any = trimesh.load(
+                    stream, file_type="ply", resolver=resolver, process=False, skip_materials=True
+                )
             return np.asarray(mesh.vertices, dtype=np.float64)
+    except FileError:
+        raise
     except Exception as error:  # readers of damaged meshes raise exceptions of any type
         raise FileError(f"{path}: not a readable template ({error})") from None
     raise FileError(f"{path}: found a template of type '{suffix}', expected .ply or .obj")

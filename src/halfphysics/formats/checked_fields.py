@@ -72,18 +72,17 @@ class Record:
         """Like `array`, in the number type of the file."""
         wanted = "(" + ", ".join("T" if n is None else str(n) for n in shape)
         wanted += ",)" if len(shape) == 1 else ")"
+        header = getattr(self.fields, "header", None)
+        if header is not None and key in self.fields:
+            found, dtype = header(key)
+            if not dtype.hasobject:  # else its shape is known once it is read
+                self._check(key, found, dtype, shape, wanted)
         value = self.raw(key, wanted)
         try:
             array = to_numpy(value)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, MemoryError):
             raise self.error(key, f"found {shown(value)}, expected numbers {wanted}") from None
-        fits = array.ndim == len(shape) and all(
-            n is None or n == found for n, found in zip(shape, array.shape, strict=True)
-        )
-        if not fits or array.dtype.kind not in "fiu":
-            raise self.error(
-                key, f"found shape {array.shape} of {array.dtype}, expected numbers of {wanted}"
-            )
+        self._check(key, array.shape, array.dtype, shape, wanted)
         if shape and shape[0] is None:
             array = array[frames]
         bad = ~np.isfinite(array)
@@ -95,6 +94,20 @@ class Record:
                 "finite numbers. Fill those frames, or read others with frames=(start, stop)",
             )
         return array
+
+    def _check(
+        self,
+        key: str,
+        found: tuple[int, ...],
+        dtype: np.dtype[Any],
+        shape: tuple[int | None, ...],
+        wanted: str,
+    ) -> None:
+        fits = len(found) == len(shape) and all(
+            n is None or n == m for n, m in zip(shape, found, strict=True)
+        )
+        if not fits or dtype.kind not in "fiu":
+            raise self.error(key, f"found shape {found} of {dtype}, expected numbers of {wanted}")
 
     def number(self, key: str, *, above: float = -np.inf, below: float = np.inf) -> float:
         """A field as one number: an array of any shape with one element."""

@@ -11,7 +11,6 @@ from halfphysics.base.reader_warnings import warn
 from halfphysics.base.validation import number, shown
 from halfphysics.errors import InputError, MissingDependencyError
 from halfphysics.geometry.convex_decomposition import (
-    MEND,
     WARN_MM,
     Cut,
     Decomposition,
@@ -21,6 +20,7 @@ from halfphysics.geometry.convex_decomposition import (
 )
 from halfphysics.geometry.mesh import Mesh
 from halfphysics.geometry.shape_base import Shape
+from halfphysics.geometry.solid_cutting import MEND
 
 
 def asked(

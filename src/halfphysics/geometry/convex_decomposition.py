@@ -2,24 +2,25 @@
 
 A mesh is divided into its connected solids first, with holes bridged as for every query about the
 inside of a mesh. A solid that is convex to within the tolerance is kept: a table of boxes needs no
-decomposition. The others go to coacd (Wei et al. 2022), whose threshold is a share of half the
-solid's longest extent.
+decomposition. The others go to coacd (`solid_cutting`). What takes longer than a moment says so in
+a line on standard error, and is kept on the disk for the next time (`piece_cache`).
 """
 
 from __future__ import annotations
 
 import hashlib
-import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.errors import InputError, MissingDependencyError
+from halfphysics.errors import InputError
 from halfphysics.geometry import mesh_queries, piece_cache
 from halfphysics.geometry.mesh import Mesh
 from halfphysics.geometry.piece_error import PieceError, piece_error
+from halfphysics.geometry.solid_cutting import pieces_of
 
 Array = NDArray[np.float64]
 
@@ -27,15 +28,12 @@ Array = NDArray[np.float64]
 THRESHOLD = 0.003
 #: Pieces that stick out of the mesh or leave it uncovered by more cause a warning [mm].
 WARN_MM = 5.0
-#: The command that installs coacd.
-MEND = "pip install 'halfphysics[pieces]'"
-
 #: A change of how pieces are made or measured: kept ones of another number are not used.
-_VERSION = 2
+_VERSION = 3
+#: Cutting fewer triangles takes a moment, of which nothing is said.
+_SAID = 1_000
 #: More solids than this are cut as one.
 _MOST_SOLIDS = 64
-#: The range of coacd's own threshold.
-_LEAST, _MOST = 0.01, 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,9 +140,29 @@ def _pieces(mesh: Mesh, cut: Cut) -> list[Mesh]:
     ragged = sum(hull is None for hull in hulls)
     each = -1 if most is None else 1 + (most - len(solids)) // max(ragged, 1)
     pieces: list[Mesh] = []
-    for solid, hull in zip(solids, hulls, strict=True):
-        pieces += [hull] if hull is not None else _by_coacd(solid, cut.threshold, each)
+    with _progress(
+        sum(len(s.faces) for s, hull in zip(solids, hulls, strict=True) if not hull)
+    ) as bar:
+        for solid, hull in zip(solids, hulls, strict=True):
+            if hull is not None:
+                pieces.append(hull)
+                continue
+            pieces += pieces_of(solid, cut.threshold, each)
+            bar.update(len(solid.faces))
     return pieces
+
+
+def _progress(triangles: int) -> Any:
+    """A line on standard error for what takes longer than a second."""
+    from tqdm import tqdm
+
+    kept = piece_cache.folder()
+    return tqdm(
+        total=triangles,
+        desc="cutting a mesh into convex pieces" + (f" (kept in {kept})" if kept else ""),
+        unit=" triangles",
+        disable=triangles < _SAID,
+    )
 
 
 def _solids(mesh: Mesh) -> list[Mesh]:
@@ -204,36 +222,3 @@ def _hull_that_fits(solid: Mesh, threshold: float) -> Mesh | None:
     if hull.volume > 2.0 * solid.solid_volume:
         return None
     return hull if piece_error(solid, [hull]).outside_mm <= 1000.0 * threshold else None
-
-
-def _by_coacd(solid: Mesh, threshold: float, most: int) -> list[Mesh]:
-    try:
-        import coacd
-    except ImportError as error:
-        raise MissingDependencyError(f"cutting a mesh into pieces needs coacd: {MEND}") from error
-    half = 0.5 * float(np.ptp(solid.vertices, axis=0).max())
-    coacd.set_log_level("error")
-    cut = coacd.run_coacd(
-        coacd.Mesh(solid.vertices, solid.faces),
-        threshold=min(max(threshold / half, _LEAST), _MOST),
-        max_convex_hull=most,
-        seed=0,
-    )
-    pieces = []
-    for vertices, _ in cut:
-        points = vertices[np.isfinite(vertices).all(axis=1)]
-        try:
-            hull = Mesh(points, _any_faces(len(points))).hull
-        except InputError:  # a sliver without volume: its neighbours cover it
-            continue
-        if math.isfinite(hull.volume) and hull.volume > 0.0:
-            pieces.append(hull)
-    return pieces or [solid.hull]
-
-
-def _any_faces(count: int) -> NDArray[np.int32]:
-    """Triangles that name every one of `count` vertices: of a hull only the points matter."""
-    if count < 3:
-        return np.zeros((0, 3), dtype=np.int32)
-    i = np.arange(count, dtype=np.int32)
-    return np.stack([i, np.roll(i, -1), np.roll(i, -2)], axis=1)

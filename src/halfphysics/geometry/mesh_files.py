@@ -14,6 +14,13 @@ from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import file_path
 from halfphysics.errors import FileError, InputError, MissingDependencyError
 from halfphysics.geometry.mesh import Mesh, MeshSource
+from halfphysics.geometry.mesh_file_checks import FolderResolver, check_mesh_file
+
+#: Suffixes of the formats that are read, and those that name materials and textures.
+FORMATS = ("obj", "glb", "gltf", "ply", "stl", "off")
+_WITH_MATERIALS = ("obj", "glb", "gltf", "ply")
+#: Triangles of one mesh: a scanned room has a few million.
+MOST_TRIANGLES = 10_000_000
 
 #: Suffixes of formats whose standard defines the up axis (y).
 Y_UP_SUFFIXES = (".glb", ".gltf")
@@ -47,21 +54,32 @@ def load_mesh(
         raise FileError(f"{path}: {kind}, expected a mesh{_similar(path)}")
     trimesh = _trimesh()
     suffix = path.suffix.lower().lstrip(".")
-    known = sorted(trimesh.available_formats())
-    if suffix not in known:
+    if suffix not in FORMATS:
         raise FileError(
             f"{path}: unknown kind of mesh {path.suffix or '(no suffix)'!r}, expected one of "
-            f"{', '.join(known)}. Convert it, for example to .glb"
+            f"{', '.join(FORMATS)}. Convert it, for example to .glb"
         )
+    check_mesh_file(path)
     if up is None:
         up = "y" if path.suffix.lower() in Y_UP_SUFFIXES else "z"
     try:
         digest = sha256_of(path)
-        scene = trimesh.load(str(path), force="scene", process=False)
+        with path.open("rb") as stream:
+            scene = trimesh.load(
+                stream,
+                file_type=suffix,
+                resolver=FolderResolver(path),
+                force="scene",
+                process=False,
+                # Looks are no part of a shape, and their files are more that may be wrong.
+                **({"skip_materials": True} if suffix in _WITH_MATERIALS else {}),
+            )
+    except FileError:
+        raise
     except Exception as error:  # readers of many formats, each with errors of its own
         reason = str(error).strip() or type(error).__name__
         raise FileError(f"{path}: cannot be read as a {suffix} mesh: {reason}") from error
-    vertices, faces = flatten(scene)
+    vertices, faces = flatten(scene, path)
     if not len(faces):
         raise FileError(
             f"{path}: found no triangles ({len(scene.geometry)} geometries), expected a "
@@ -75,10 +93,22 @@ def load_mesh(
     return mesh, source
 
 
-def flatten(scene: Any) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """Vertices (V, 3) and faces (F, 3) of all meshes of a `trimesh.Scene`, placed in it."""
+def flatten(scene: Any, path: Path | None = None) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Vertices (V, 3) and faces (F, 3) of all meshes of a `trimesh.Scene`, placed in it.
+
+    Raises:
+        FileError: The scene of the file at `path` names its meshes so often that they are more
+            than `MOST_TRIANGLES`.
+    """
     vertices, faces, count = [np.zeros((0, 3))], [np.zeros((0, 3), np.int32)], 0
-    for node in sorted(scene.graph.nodes_geometry):
+    nodes = sorted(scene.graph.nodes_geometry)
+    sizes = {name: len(getattr(g, "faces", ())) for name, g in scene.geometry.items()}
+    total = sum(sizes[scene.graph[node][1]] for node in nodes)
+    if path is not None and total > MOST_TRIANGLES:
+        raise FileError(
+            f"{path}: {total} triangles, expected at most {MOST_TRIANGLES}. Simplify it"
+        )
+    for node in nodes:
         transform, name = scene.graph[node]
         geometry = scene.geometry[name]
         own = getattr(geometry, "faces", None)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 import warnings
@@ -16,9 +17,11 @@ from halfphysics.base import rotations as rot
 from halfphysics.base.validation import number, quaternion, shown, vector
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
 from halfphysics.geometry.mesh import Mesh, MeshSource
+from halfphysics.geometry.mesh_queries import components
 from halfphysics.geometry.shape_base import Shape
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Sphere
 from halfphysics.scene.articulated import SIZES, Articulated, Link, LinkGeom, LinkJoint
+from halfphysics.scene.mjcf_process import CompiledModel, compiled, of_spec
 
 #: Name of the link for geoms that belong to no body.
 WORLD = "world"
@@ -26,6 +29,13 @@ _KINDS = ("free", "ball", "slide", "hinge")
 _SOURCES = "the path of a .xml or .urdf file, MJCF or URDF text, or a mujoco.MjSpec"
 _ELLIPSOID_POINTS = 300
 _MOST_INCLUDES = 100
+#: Links of one object, and bytes of its file: the largest humanoids have a hundred links.
+_MOST_LINKS, _MOST_BYTES = 500, 2**26
+#: Attributes that name files, and the folders in which they are.
+_FILE_KEYS = (
+    "file", "filename", "fileright", "fileleft", "fileup", "filedown", "filefront", "fileback",
+)  # fmt: skip
+_DIRS = ("meshdir", "texturedir", "assetdir")
 
 
 def load_articulated(
@@ -38,15 +48,7 @@ def load_articulated(
 ) -> Articulated:
     """The work behind `Scene.add_articulated`; see there."""
     what = f"articulated {name!r}"
-    spec, origin = _spec(what, source)
-    try:
-        model = spec.compile()
-    except (ValueError, RuntimeError) as error:
-        reason = " ".join(str(error).split())
-        raise InputError(
-            f"{what}: MuJoCo cannot compile it: {reason}. Expected a model that MuJoCo itself "
-            "loads, with its mesh files in their place and masses of all that moves"
-        ) from None
+    model, origin = _model(what, source)
     links = _links(what, model)
     named = {j.name: j for link in links for j in link.joints}
     if not any(joint.kind != "free" for joint in named.values()):
@@ -54,8 +56,6 @@ def load_articulated(
             f"{what}: found no joints, expected at least one hinge, slide or ball joint; "
             "add_object and add_static take what is rigid"
         )
-    if origin.get("xml") is None and origin.get("source") is None:
-        origin["xml"] = spec.to_xml()
     _warn_of_ignored(what, model)
     return Articulated(
         name=name,
@@ -67,41 +67,49 @@ def load_articulated(
     )
 
 
-def _spec(what: str, source: Any) -> tuple[Any, dict[str, Any]]:
-    """An MjSpec that may be modified, and its source."""
+def _model(what: str, source: Any) -> tuple[CompiledModel, dict[str, Any]]:
+    """The compiled model, and its source."""
     import mujoco
 
     if isinstance(source, mujoco.MjSpec):
-        return source.copy(), {}
+        return _of_spec(what, source.copy())
     text = source.decode() if isinstance(source, bytes) else source
     if isinstance(text, str) and text.lstrip().startswith("<"):
         root = _checked_xml(what, text, None)
-        made = _parsed(what, lambda: mujoco.MjSpec.from_string(text))
-        _prepare(what, root, made)
-        return made, {"xml": text}
+        return compiled(what, {"xml": text, "urdf": root.tag == "robot"}), {"xml": text}
     if not isinstance(text, str | os.PathLike):
         raise InputError(f"{what}: found {shown(source)} as source, expected {_SOURCES}")
     path = Path(text)
     if not path.is_file():
         raise FileError(f"{what}: {path}: there is no such file, expected {_SOURCES}")
+    if path.stat().st_size > _MOST_BYTES:
+        raise FileError(
+            f"{what}: {path}: {path.stat().st_size / 2**20:.0f} MiB, expected at most "
+            f"{_MOST_BYTES / 2**20:.0f} MiB of MJCF or URDF"
+        )
     content = path.read_bytes()
     try:
         root = _checked_xml(what, content.decode(), path)
     except UnicodeDecodeError:
         raise FileError(f"{what}: {path}: found no text, expected {_SOURCES}") from None
-    made = _parsed(what, lambda: mujoco.MjSpec.from_file(str(path)))
-    _prepare(what, root, made)
+    model = compiled(
+        what,
+        {"path": str(path), "urdf": root.tag == "robot"},
+        assets=_asset_bytes(root, path.resolve().parent),
+    )
     digest = hashlib.sha256(content).hexdigest()
-    return made, {"source": MeshSource(path=str(path.resolve()), sha256=digest)}
+    return model, {"source": MeshSource(path=str(path.resolve()), sha256=digest)}
 
 
-def _parsed(what: str, read: Any) -> Any:
+def _of_spec(what: str, spec: Any) -> tuple[CompiledModel, dict[str, Any]]:
+    """Of a model that the caller made in this process."""
     try:
-        return read()
+        return of_spec(spec), {"xml": spec.to_xml()}
     except (ValueError, RuntimeError) as error:
         reason = " ".join(str(error).split())
         raise InputError(
-            f"{what}: MuJoCo cannot read it: {reason}. Expected MJCF or URDF"
+            f"{what}: MuJoCo cannot compile it: {reason}. Expected a model that MuJoCo itself "
+            "loads, with its mesh files in their place and masses of all that moves"
         ) from None
 
 
@@ -117,8 +125,58 @@ def _checked_xml(what: str, text: str, path: Path | None, folder: Path | None = 
     if folder is None and root.tag not in ("mujoco", "robot"):
         raise InputError(f"{where}: found <{root.tag}>, expected <mujoco> (MJCF) or <robot> (URDF)")
     base = folder if folder is not None else None if path is None else path.resolve().parent
+    _check_size(where, root)
+    _check_files(where, root, base)
     _check_includes(what, where, root, base, [])
+    if root.tag == "robot":
+        _check_masses(what, root)
     return root
+
+
+def _check_size(where: str, root: Any) -> None:
+    links = sum(1 for element in root.iter() if element.tag in ("body", "link"))
+    if links > _MOST_LINKS:
+        raise InputError(
+            f"{where}: found {links} links, expected at most {_MOST_LINKS}. Split it into several "
+            "objects"
+        )
+
+
+def _check_files(where: str, root: Any, base: Path | None) -> None:
+    """Meshes and textures that it names are files: reading a pipe or a device never ends."""
+    for path in _named_files(root, base):
+        if _is_no_file(path):
+            raise InputError(
+                f"{where}: {path.name!r} is a pipe, a device or a folder, expected a file"
+            )
+
+
+def _named_files(root: Any, base: Path | None) -> list[Path]:
+    """Where the meshes and textures that a model names may be."""
+    if base is None:
+        return []
+    folders = [
+        base,
+        *(base / e.get(key) for e in root.iter("compiler") for key in _DIRS if key in e.attrib),
+    ]
+    names = [e.get(key) for e in root.iter() for key in _FILE_KEYS if e.get(key)]
+    return [folder / name for folder in folders for n in names for name in (n, Path(n).name)]
+
+
+def _asset_bytes(root: Any, base: Path) -> int:
+    """Size of the meshes and textures that a model names [bytes]."""
+    total = 0
+    for path in {*_named_files(root, base)}:
+        with contextlib.suppress(OSError, ValueError):
+            total += path.stat().st_size
+    return total
+
+
+def _is_no_file(path: Path) -> bool:
+    try:
+        return path.exists() and not path.is_file()
+    except (OSError, ValueError):
+        return True
 
 
 def _check_includes(what: str, where: str, root: Any, base: Path | None, seen: list[Path]) -> None:
@@ -150,34 +208,27 @@ def _check_includes(what: str, where: str, root: Any, base: Path | None, seen: l
         _check_includes(what, where, child, base, seen)
 
 
-def _prepare(what: str, root: Any, spec: Any) -> None:
-    """Complete a URDF with the settings that MJCF states explicitly."""
-    import mujoco
+def _check_masses(what: str, root: Any) -> None:
+    """What moves in a URDF says its mass: masses are never inferred from volumes.
 
-    if root.tag != "robot":
-        return
-    # Masses are never inferred from volumes.
-    spec.compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_FALSE
-    spec.compiler.fusestatic = False
-    weighed = {e.get("name") for e in root.iter("link") if e.find("inertial") is not None}
-    rigid: dict[str, list[str]] = {}
-    moved = []
+    Links that are joined rigidly are one: one of them has to say it.
+    """
+    names = {str(e.get("name")): k for k, e in enumerate(root.iter("link"))}
+    weighed = {str(e.get("name")) for e in root.iter("link") if e.find("inertial") is not None}
+    rigid, moved = [], []
     for joint in root.iter("joint"):
         parent, child = joint.find("parent"), joint.find("child")
         if parent is None or child is None:
             continue
         ends = str(parent.get("link")), str(child.get("link"))
-        if joint.get("type") == "fixed":
-            rigid.setdefault(ends[0], []).append(ends[1])
-        else:
+        if joint.get("type") != "fixed":
             moved.append(ends[1])
+        elif ends[0] in names and ends[1] in names:
+            rigid.append((names[ends[0]], names[ends[1]]))
+    group = components(len(names), np.array(rigid, dtype=np.int64).reshape(-1, 2))
+    heavy = {int(group[names[name]]) for name in weighed if name in names}
     for link in moved:
-        reach, todo = {link}, [link]
-        while todo:
-            more = [n for n in rigid.get(todo.pop(), []) if n not in reach]
-            reach.update(more)
-            todo += more
-        if not reach & weighed:
+        if link in names and int(group[names[link]]) not in heavy:
             raise InputError(
                 f"{what}: link {link!r} moves and has no <inertial>, expected its mass and "
                 'inertia: <inertial><mass value="..."/><inertia ixx="..." .../></inertial>'
@@ -196,7 +247,7 @@ def _links(what: str, model: Any) -> tuple[Link, ...]:
         mine = tuple(geoms.get(b, ()))
         if b == 0 and not mine:
             continue
-        base = (WORLD if b == 0 else model.body(b).name) or f"link{b}"
+        base = (WORLD if b == 0 else model.bodies[b]) or f"link{b}"
         link = _unique(base, taken)
         joints = tuple(
             _joint(what, model, j, link)
@@ -242,7 +293,7 @@ def _joint(what: str, model: Any, j: int, link: str) -> LinkJoint:
     kind = _KINDS[int(model.jnt_type[j])]
     body = int(model.jnt_bodyid[j])
     only = int(model.body_jntnum[body]) == 1
-    name = model.joint(j).name or (link if only else f"{link}_{j - model.body_jntadr[body]}")
+    name = model.joints[j] or (link if only else f"{link}_{j - model.body_jntadr[body]}")
     limited = bool(model.jnt_limited[j])
     if limited and kind not in ("hinge", "slide"):
         raise InputError(
@@ -289,7 +340,7 @@ def _geom(what: str, model: Any, g: int) -> LinkGeom:
     else:
         found = kind.name.removeprefix("mjGEOM_").lower()
         raise InputError(
-            f"{what}: found a {found} in {model.body(int(model.geom_bodyid[g])).name or WORLD!r}, "
+            f"{what}: found a {found} in {model.bodies[int(model.geom_bodyid[g])] or WORLD!r}, "
             "expected boxes, spheres, capsules, cylinders, ellipsoids and meshes. Add planes with "
             'add_static(name, Plane()); contype="0" conaffinity="0" keeps a geom for looks alone'
         )

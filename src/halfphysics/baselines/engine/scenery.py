@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from halfphysics.baselines.engine.geoms import add_geom, add_points
 from halfphysics.body.mjcf_person import principal
 from halfphysics.errors import HalfPhysicsWarning, InputError, MissingDependencyError
-from halfphysics.geometry.convex_decomposition import MEND, USUAL, decompose
+from halfphysics.geometry.convex_decomposition import USUAL, decompose
 from halfphysics.geometry.shapes import Mesh
+from halfphysics.geometry.solid_cutting import MEND
 from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.scene import articulated as jointed
 from halfphysics.scene.material_pairs import PERSON

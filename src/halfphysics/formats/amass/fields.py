@@ -7,6 +7,7 @@ into the extra key ``poses_smplx (T, 165)``, which other readers ignore.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -52,6 +53,10 @@ SPLIT: Mapping[str, tuple[int, ...]] = {
 }
 FPS_KEYS = ("mocap_frame_rate", "mocap_framerate", "fps")
 FULL_KEY = "poses_smplx"
+#: Shape coefficients of the largest model (300, and 100 of the face).
+_MOST_BETAS = 400
+#: Bytes of a field beside the motion that is kept for writing.
+_MOST_KEPT = 2**26
 _KNOWN = {
     "trans", "poses", "betas", "num_betas", "gender", "surface_model_type", "mocap_time_length",
     FULL_KEY, *SPLIT, *FPS_KEYS,
@@ -127,13 +132,23 @@ def _fps(npz: Npz, options: Options, usual: float | None) -> tuple[float, str]:
     key = next((key for key in FPS_KEYS if key in npz), None)
     if key is None or options.fps is not None:
         return rate_of(str(npz.path), options, usual), key or FPS_KEYS[0]
-    value = npz[key]
+    value = _small(npz, key)
     if value.size != 1 or value.dtype.kind not in "fiu" or not 0.0 < float(value.flat[0]) < 1e6:
         raise FileError(
             f"{npz.path}: field '{key}': found {value.tolist()!r}, expected a positive number of "
             "frames per second. Say it with fps=, for example fps=30"
         )
     return float(value.flat[0]), key
+
+
+def _small(npz: Npz, key: str, most: int = 16) -> NDArray[Any]:
+    """A field of few numbers, refused by its header where it has more."""
+    shape, _ = npz.header(key)
+    if math.prod(shape) > most:
+        raise FileError(
+            f"{npz.path}: field '{key}': found shape {shape}, expected at most {most} numbers"
+        )
+    return npz[key]
 
 
 def _text(value: NDArray[Any]) -> str:
@@ -149,7 +164,7 @@ def _gender(npz: Npz, options: Options) -> str:
     if "gender" not in npz:
         warn(f"{npz.path}: no field 'gender': taken as neutral. Say it with gender=")
         return "neutral"
-    gender = _text(npz["gender"])
+    gender = _text(_small(npz, "gender"))
     if gender not in GENDERS:
         raise FileError(
             f"{npz.path}: field 'gender': found {gender!r}, expected one of {', '.join(GENDERS)}. "
@@ -162,7 +177,7 @@ def _model(npz: Npz, width: int, options: Options) -> str:
     if options.model is not None and str(options.model) in MODELS:
         return str(options.model)
     if "surface_model_type" in npz:
-        stated = _text(npz["surface_model_type"])
+        stated = _text(_small(npz, "surface_model_type"))
         if stated in MODELS:
             return stated
     if width in _MODEL_OF_WIDTH:
@@ -213,8 +228,9 @@ def load(
         mean = mean_hands(options.model, gender)
     betas, betas_shape = None, None
     if "betas" in npz:
-        value = npz["betas"]
-        betas = shape_of(where, value, npz.header("trans")[0][0])
+        frames = npz.header("trans")[0][0]
+        value = _small(npz, "betas", _MOST_BETAS * max(1, frames))
+        betas = shape_of(where, value, frames)
         betas_shape = value.shape
     metadata = _file_metadata(npz, format, options.frames, len(trans), rigid)
     own = {"width": width, "fps_key": fps_key, "betas_shape": betas_shape}
@@ -253,9 +269,11 @@ def _file_metadata(
         keys.append(key)
         dtypes[key] = dtype
         if key in ("gender", "surface_model_type", "mocap_time_length", "num_betas", *FPS_KEYS):
-            constants[key] = npz[key]
+            constants[key] = _small(npz, key)
         elif key not in _KNOWN:
-            if shape[:1] == (total,):
+            if math.prod(shape) * dtype.itemsize > _MOST_KEPT:
+                warn(f"{npz.path}: field '{key}' {shape} is no part of the motion: not kept")
+            elif shape[:1] == (total,):
                 per_frame[key] = npz[key][frames]
             else:
                 constants[key] = npz[key]

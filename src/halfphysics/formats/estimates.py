@@ -26,7 +26,7 @@ from halfphysics.errors import FileError
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.datasets.subject import named_model
 from halfphysics.formats.format import Format, Options, Source
-from halfphysics.formats.motion_builder import motion_of, same_length
+from halfphysics.formats.motion_builder import USUAL_FPS, motion_of, same_length
 from halfphysics.formats.people import Track, filled
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.skeleton import JOINT_INDEX
@@ -34,12 +34,11 @@ from halfphysics.motion.skeleton import JOINT_INDEX
 Array = NDArray[np.float64]
 T = TypeVar("T")
 
-#: Frames per second, where the file does not say: that of most video.
-FPS = 30.0
+FPS = USUAL_FPS
 #: What may be invented -> how it is told.
 RATE = {"fps": f"the frame rate: {FPS:g} (fps= says another)"}
 FINGERS = {"hands": "fingers: straight"}
-FLOOR = {"floor": "the floor's height (Motion.grounded puts the lowest skin on z = 0)"}
+FLOOR = {"floor": "the floor's height: as it is (floor='lowest' puts the lowest skin on z = 0)"}
 CAMERA = {
     "world": "the world: it is in the frame of the camera, whose y is down: turned upright, and "
     "how far the person is from the camera is a rough guess"

@@ -23,7 +23,7 @@ from support.files.layouts import quiet
 from support.files.model_files import fields as model_fields
 from support.files.model_files import write_npz
 from support.files.video_files import Person, person, two
-from support.files.wrong_files import Boom, refused
+from support.files.wrong_files import Boom, broken_bytes_are_refused, refused
 
 #: Files are in single precision, people within some metres [m].
 SINGLE = 1e-5
@@ -458,6 +458,12 @@ def test_tracks_that_do_not_fit(tmp_path):
     (tmp_path / "track_info.json").write_text('{"tracks": {"1": {"index": 0}}}')
     with pytest.raises(hp.HalfPhysicsError, match=r"track_info\.json: expected tracks"):
         hp.Motion.load(path)
+
+
+@pytest.mark.parametrize("kind", [GVHMR, WHAM, PHALP, COMOTION, TRAM, ROMP, SLAHMR])
+def test_broken_bytes_end_in_messages(tmp_path, kind):
+    file, make, write = kind
+    broken_bytes_are_refused(write(tmp_path / file, make()))
 
 
 def test_sam_3d_body_names_its_converter(tmp_path):

@@ -450,6 +450,26 @@ def test_a_day_between_two_keys_is_refused(tmp_path):
         read(builder.glb(tmp_path / "a.glb"))
 
 
+def test_more_nodes_than_people_and_rooms_have_are_refused_at_once(tmp_path):
+    builder = person(motion_of(4), BODY)
+    builder.json["nodes"] += [{"name": "n"} for _ in range(20_000)]
+    with pytest.raises(HalfPhysicsError, match="found 20053 nodes, expected at most 20000"):
+        read(builder.glb(tmp_path / "a.glb"))
+    builder = person(motion_of(4), BODY)
+    first, count = builder.json["skins"][0]["joints"][0], len(builder.json["nodes"])
+    builder.json["nodes"] += [{"children": [count + k + 1]} for k in range(600)] + [{}]
+    builder.json["nodes"][first]["children"].append(count)
+    with pytest.raises(HalfPhysicsError, match="over 500 deep"):
+        read(builder.glb(tmp_path / "a.glb"))
+    builder = person(motion_of(4), BODY)
+    count = len(builder.json["nodes"])
+    builder.json["nodes"] += [{} for _ in range(2_000)]
+    builder.json["nodes"][first]["children"] += range(count, count + 2_000)
+    builder.json["skins"].append({"joints": [first, *range(count, count + 2_000)]})
+    with pytest.raises(HalfPhysicsError, match="a skeleton of 2052 nodes, expected a person's"):
+        read(builder.glb(tmp_path / "a.glb"))
+
+
 def test_fbx_says_how_to_convert_it(tmp_path):
     for name, raw in (("a.fbx", b"; FBX 7.4.0 project file\n"), ("b", b"Kaydara FBX Binary  \0")):
         (tmp_path / name).write_bytes(raw)

@@ -30,7 +30,7 @@ MAGIC = b"glTF"
 _JSON_CHUNK, _BIN_CHUNK = 0x4E4F534A, 0x004E4942
 #: Text of a file that has its buffers in it; parsed, it takes some times as much [bytes].
 _MOST_TEXT = 128 * 2**20
-#: Nodes, channels, accessors: far above any scene of people.
+#: Accessors, views, skins: far above any scene of people.
 _MOST_ENTRIES = 100_000
 _EMBEDDED = "data:"
 

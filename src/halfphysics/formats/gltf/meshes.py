@@ -12,6 +12,8 @@ from halfphysics.formats.gltf.container import Container
 
 Array = NDArray[np.float64]
 
+#: Vertices of all props of a file together: bounds the memory and the time.
+MOST_VERTICES = 2_000_000
 #: `mode` of a primitive: triangles.
 _TRIANGLES = 4
 
@@ -58,6 +60,8 @@ def triangles(container: Container, name: str, index: Any) -> Triangles | None:
         joints = _followed(container, name, attributes, len(places))
         parts.append(Triangles(places, corners.reshape(-1, 3) + count, joints))
         count += len(places)
+        if count > MOST_VERTICES:
+            raise container.error(f"mesh of {name!r}: over {MOST_VERTICES} vertices")
     if not parts:
         return None
     return Triangles(*(np.concatenate(each) for each in zip(*parts, strict=True)))

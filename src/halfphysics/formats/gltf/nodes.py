@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 #: Path of a channel -> number of columns.
 PATHS = {"translation": 3, "rotation": 4, "scale": 3}
 _DEFAULT = {"translation": (0.0, 0.0, 0.0), "rotation": (0.0, 0.0, 0.0, 1.0), "scale": (1.0,) * 3}
+#: Nodes of a file: a furnished house has some thousands.
+_MOST_NODES = 20_000
 #: Nodes from the root to the tip of a finger: far above any skeleton.
 _DEEPEST = 500
 #: Positions and scales in any unit, beyond which products of them overflow.
@@ -38,6 +40,8 @@ class Nodes:
         self.container = container
         self.entries = container.entries("nodes")
         count = len(self.entries)
+        if count > _MOST_NODES:
+            raise container.error(f"found {count} nodes, expected at most {_MOST_NODES}")
         self.names = tuple(self._name(k) for k in range(count))
         parents = [-1] * count
         for k, entry in enumerate(self.entries):
@@ -50,6 +54,7 @@ class Nodes:
                 parents[child] = k
         self.parents = tuple(parents)
         self.order = self._sorted()
+        self._at_rest: dict[int, Array] = {}
         if max(self.depths, default=0) > _DEEPEST:
             raise container.error(f"nodes lie over {_DEEPEST} deep, expected a person's skeleton")
 
@@ -82,6 +87,18 @@ class Nodes:
             if self.parents[k] >= 0:
                 depths[k] = depths[self.parents[k]] + 1
         return tuple(depths)
+
+    def at_rest(self, node: int) -> Array:
+        """World transform (4, 4) of a node as the file has it without animation."""
+        way = []
+        for above in self.above(node):
+            if above in self._at_rest:
+                break
+            way.append(above)
+        for each in reversed(way):
+            own, parent = matrices(self.local(each)), self.parents[each]
+            self._at_rest[each] = own if parent < 0 else self._at_rest[parent] @ own
+        return self._at_rest[node]
 
     def local(self, node: int) -> dict[str, Array]:
         """Translation (3,), rotation (4,) as x, y, z, w, and scale (3,) of a node."""

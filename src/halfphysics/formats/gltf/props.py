@@ -16,15 +16,13 @@ from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
 from halfphysics.formats.gltf.animation import Animation
 from halfphysics.formats.gltf.container import Container
-from halfphysics.formats.gltf.meshes import triangles
+from halfphysics.formats.gltf.meshes import MOST_VERTICES, triangles
 from halfphysics.formats.gltf.nodes import Nodes
 from halfphysics.formats.gltf.rig import bind_poses, rotations_of_matrices, world
 from halfphysics.geometry.mesh import Mesh
 
 Array = NDArray[np.float64]
 
-#: Vertices of all props together: bounds the memory.
-_MOST_VERTICES = 10_000_000
 #: A flat mesh at least so wide is a floor [m], if its height differs by less than that [m].
 _FLOOR = (4.0, 1e-3)
 
@@ -80,8 +78,8 @@ def props(
     moved = {node for node, _ in animation.keys}
     for piece in _pieces(container, nodes, set(people)):
         vertices += len(piece.vertices)
-        if vertices > _MOST_VERTICES:
-            raise container.error(f"meshes of over {_MOST_VERTICES} vertices, expected a room")
+        if vertices > MOST_VERTICES:
+            raise container.error(f"meshes of over {MOST_VERTICES} vertices, expected a room")
         at = times if moved & set(nodes.above(piece.node)) else times[:1]
         transforms = world(nodes, animation, (piece.node,), at)[:, 0]
         try:

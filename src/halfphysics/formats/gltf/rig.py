@@ -28,8 +28,8 @@ Array = NDArray[np.float64]
 _MOST_POSES = 8_000_000
 #: Frames that are computed at once: bounds the memory of their matrices.
 _CHUNK = 4096
-#: Joints of all skins: far above any scene of people.
-_MOST_JOINTS = 20_000
+#: Joints of all skins, and nodes of one skeleton: far above any scene of people.
+_MOST_JOINTS, _MOST_IN_ONE = 5_000, 2_000
 #: Columns of a matrix that are a rotation times scales are square to each other to this.
 _SQUARE = 0.02
 #: Bones shorter than this part of the skeleton do not tell its scale.
@@ -112,7 +112,7 @@ def bind_poses(container: Container, number: Any, nodes: Nodes) -> tuple[list[in
     if not all(is_index(joint, len(nodes.names)) for joint in joints):
         raise container.error(f"skin {number}: joints: found an index of no node")
     if skin.get("inverseBindMatrices") is None:
-        return joints, np.stack([_at_rest(nodes, joint) for joint in joints])
+        return joints, np.stack([nodes.at_rest(joint) for joint in joints])
     what = f"skin {number}, inverseBindMatrices"
     flat = rows(container, skin["inverseBindMatrices"], "MAT4", what)
     if len(flat) != len(joints):
@@ -124,14 +124,6 @@ def bind_poses(container: Container, number: Any, nodes: Nodes) -> tuple[list[in
     return joints, np.asarray(np.linalg.inv(inverse), dtype=np.float64)
 
 
-def _at_rest(nodes: Nodes, node: int) -> Array:
-    """World transform (4, 4) of a node as the file has it without animation."""
-    out = np.eye(4)
-    for above in nodes.above(node):
-        out = matrices(nodes.local(above)) @ out
-    return out
-
-
 def _rig(nodes: Nodes, root: int, joints: set[int], known: dict[int, Array]) -> Rig:
     """The skeleton from `root` down to the joints."""
     wanted = {root}
@@ -140,6 +132,10 @@ def _rig(nodes: Nodes, root: int, joints: set[int], known: dict[int, Array]) -> 
             wanted.add(node)
             if node == root:
                 break
+    if len(wanted) > _MOST_IN_ONE:
+        raise nodes.container.error(
+            f"a skeleton of {len(wanted)} nodes, expected a person's, of at most {_MOST_IN_ONE}"
+        )
     order = tuple(node for node in nodes.order if node in wanted)
     bind: dict[int, Array] = {}
     for node in order:
@@ -163,7 +159,7 @@ def _above_known(nodes: Nodes, node: int, known: dict[int, Array]) -> Array:
             for between in path[: path.index(node)]:
                 below = matrices(nodes.local(between)) @ below
             return np.asarray(known[joint] @ np.linalg.inv(below))
-    return _at_rest(nodes, node)
+    return nodes.at_rest(node)
 
 
 def world(nodes: Nodes, animation: Animation, wanted: tuple[int, ...], times: Array) -> Array:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from halfphysics import baselines, errors, metrics, scenarios, support
     from halfphysics.adaptation.adapt import adapt
     from halfphysics.body.body import Body
+    from halfphysics.cli.judging import judge
     from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning
     from halfphysics.formats import load_sequence
     from halfphysics.formats.library import clips
@@ -63,6 +64,7 @@ __all__ = [
     "errors",
     "export",
     "fix",
+    "judge",
     "load_sequence",
     "metrics",
     "scenarios",
@@ -101,6 +103,7 @@ _FROM: dict[str, str | None] = {
     "clips": "formats.library",
     "export": "writers",
     "fix": "repair.repair",
+    "judge": "cli.judging",
     "load_sequence": "formats.registry",
     "simulate": "simulation.simulate",
     "simulate_many": "simulation.simulate_many",

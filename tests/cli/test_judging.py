@@ -38,6 +38,17 @@ def test_folders_and_globs_and_files(library):
         tasks_of([library / "empty"], None)
 
 
+def test_judge_takes_paths(library):
+    people = hp.judge(library, jobs=1)
+    assert [one.verdict is None for one in people] == [False, True, False]
+    one = hp.judge([library / "a.npz"], truth=library / "a.npz", jobs=1)[0].verdict
+    assert one.values["mpjpe_mm"] == 0.0
+    with pytest.raises(HalfPhysicsError, match="jobs: found 0"):
+        hp.judge(library, jobs=0)
+    with pytest.raises(HalfPhysicsError, match="no such file"):
+        hp.judge(library / "a.npz", scene=library / "gone.yaml")
+
+
 def test_truth_by_name(library, tmp_path_factory):
     truths = tmp_path_factory.mktemp("truth")
     (truths / "deep").mkdir()

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
@@ -54,6 +55,48 @@ class Judged:
     verdict: Verdict | None = None
     error: str = ""
     warnings: tuple[str, ...] = ()
+
+
+def judge(
+    paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
+    *,
+    truth: str | os.PathLike[str] | None = None,
+    scene: str | os.PathLike[str] | None = None,
+    body: str | os.PathLike[str] | None = None,
+    jobs: int | None = None,
+    progress: bool = False,
+) -> list[Judged]:
+    """Judge motion and result files by everybody's measures (docs/metrics.md, "Judging").
+
+    For a motion in memory: `halfphysics.metrics.judge`.
+
+    Args:
+        paths: Motion and result files, folders of them, or globs.
+        truth: The true motion: one file for all clips, or a folder with a file of each clip's name.
+        scene: Scene file; of a result, its own scene.
+        body: Body model, or a folder of them; None: the default body, of a result its own.
+        jobs: Processes to work in; None: one a core. The numbers do not depend on it.
+        progress: Show a progress bar.
+
+    Returns:
+        One entry a person, in the order of files. A file that cannot be read has no `verdict`, and
+        an `error` that says why.
+
+    Raises:
+        FileError: A path that does not exist and fits no file; no motion at all; no truth.
+        InputError: `jobs` is not positive.
+    """
+    from halfphysics.base.machine import cores
+
+    if jobs is not None and (not isinstance(jobs, int) or jobs < 1):
+        raise InputError(f"jobs: found {jobs!r}, expected at least 1")
+    given = [paths] if isinstance(paths, str | os.PathLike) else list(paths)
+    around = SceneOptions(scene=None if scene is None else file_path(scene))
+    person = BodyOptions(body=None if body is None else file_path(body))
+    options = Options(scene=around, person=person)
+    _scene(around)  # a mistake in it is one error, not one a clip
+    tasks = tasks_of([file_path(path) for path in given], None if truth is None else Path(truth))
+    return judged(tasks, options, cores() if jobs is None else jobs, bar=progress)
 
 
 def tasks_of(files: Sequence[Path], truth: Path | None) -> list[Task]:

@@ -24,7 +24,7 @@ def test_it_writes_the_format_that_it_read(clip, tmp_path, capsys):
     said = capsys.readouterr().out
     assert "floated by 5.0 cm: put on the ground" in said
     assert "Phys-Err" in said
-    assert f"written: {out}" in said
+    assert f"written: {out} (amass-smplx)" in said
     made = hp.Motion.load(out)
     assert made.origin.format == hp.Motion.load(clip).origin.format
     assert np.ptp(made.translation[:, 2]) < 1e-3
@@ -56,6 +56,7 @@ def test_page_and_result(clip, tmp_path):
         (["C", "--page", "page.png"], "expected a name that ends in .html"),
         (["C", "--smooth", "0"], "smooth: expected a number above 0 [Hz]"),
         (["C", "--out", "C"], "input"),
+        (["C", "--out", "fixed.txt"], "found suffix '.txt'"),
     ],
 )
 def test_a_mistake_is_one_message(clip, tmp_path, capsys, arguments, words, monkeypatch):

@@ -64,6 +64,7 @@ class Command:
 
     def run(self) -> None:
         """Fix, print what was done, write."""
+        from halfphysics.formats import writer_of
         from halfphysics.repair.repair import fix
 
         inputs = (self.motion, self.scene.scene, self.person.body)
@@ -75,6 +76,9 @@ class Command:
         sequence = self.motion_file.sequence(
             self.motion, body=self.person.instead_of, ground=self.scene.ground
         )
+        if self.out is not None:
+            for motion in sequence.motions:
+                writer_of(motion, self.out, self.format)  # before the work
         bodies = [body for body in sequence.bodies if body is not None]
         scene = self.scene.load() if self.scene.given else None
         repair = fix(
@@ -108,7 +112,7 @@ class Command:
         print(table(rows))
 
     def _save(self, repair: Repair, bodies: list[Body], out: Path) -> None:
-        from halfphysics.formats import losses
+        from halfphysics.formats import losses, writer_of
 
         for k, motion in enumerate(repair.motions):
             path = out
@@ -117,7 +121,7 @@ class Command:
             motion.save(path, format=self.format, body=bodies[k])
             for loss in losses(motion, path, self.format):
                 print(f"not in the file: {loss}")
-            print(f"written: {path}")
+            print(f"written: {path} ({writer_of(motion, path, self.format).name})")
 
     def _page(self, repair: Repair, bodies: list[Body], page: Path) -> None:
         """The clip as it came and put right, side by side, with the numbers."""

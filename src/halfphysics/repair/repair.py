@@ -11,6 +11,7 @@ none does, and nothing is inside or over anything, the clip comes back as it is.
 from __future__ import annotations
 
 import dataclasses
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -18,7 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.errors import InputError
+from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.repair.ground_fit import Ground, fit_ground
 from halfphysics.repair.levelled import levelled
 from halfphysics.repair.planted import planted
@@ -255,7 +256,9 @@ def _simulated(
     )
     if not _touches_self(apart).any():
         return apart
-    through = simulate(asked, scene, body=bodies, settings=plain)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", HalfPhysicsWarning)  # said by the first already
+        through = simulate(asked, scene, body=bodies, settings=plain)
     moved = max(
         mpjpe(a.motion, b.motion, a.body) for a, b in zip(apart.people, through.people, strict=True)
     )

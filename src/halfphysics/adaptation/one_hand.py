@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.adaptation import arm_pose, press
+from halfphysics.adaptation import arm_pose, forearms, press
 from halfphysics.adaptation.fingers import closed
 from halfphysics.adaptation.grips import Place, fingers_at, fingers_known
 from halfphysics.base import rotations as rot
@@ -67,6 +67,8 @@ def held(
     rows = np.ix_(frames, np.array(hand.arm))
     rotations[rows] = arm_pose.moved(motion, body, hand, frames, wrist, turn)
     motion = motion.with_frames(motion.translation, rotations)
+    if place.presses.any():
+        motion = forearms.cleared(motion, body, hand, hold, timing.share)
     motion = _closed(motion, body, hold, place, timing, squeeze)
     pressing = np.flatnonzero(timing.presses > 0.0)
     if force == 0.0 or settings.drive_time is None or not len(pressing):

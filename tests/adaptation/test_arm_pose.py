@@ -14,6 +14,8 @@ from halfphysics.base import rotations as rot
 REACHED, TURNED = 1e-4, 2e-3
 #: Derivatives by central differences of 1e-6 rad.
 STEP, DIFFERENCE = 1e-6, 1e-8
+#: How far a forearm is out of the plane in which its elbow bends [rad].
+HINGE = 1e-9
 
 
 def bent(frames=6, seed=0):
@@ -93,3 +95,21 @@ def test_jacobians_are_derivatives():
         assert np.abs((a - b)[0] / (2 * STEP) - jacobian[:3, column]).max() < DIFFERENCE
         spin = rot.matrix_to_rotvec(ra @ np.swapaxes(rb, 1, 2))[0] / (2 * STEP)
         assert np.abs(spin - jacobian[3:, column]).max() < DIFFERENCE
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_an_elbow_stays_a_hinge(side):
+    """It bends and twists, and not sideways, wherever the hand goes."""
+    body, rng = hp.Body.default(), np.random.default_rng(3)
+    hand = Hand.of(body, side)
+    rotations = np.array(bent().rotations)
+    rotations[:, hand.arm[1]] = [0.0, -1.2 if side == "left" else 1.2, 0.0]
+    motion = hp.Motion(np.zeros((6, 3)), rotations, fps=30.0)
+    wrist, turn = where(motion, hand, body)
+    wrist = wrist + rng.uniform(-0.05, 0.05, wrist.shape)
+    turn = rot.rotvec_to_matrix(rng.uniform(-0.5, 0.5, wrist.shape)) @ turn
+    got = arm_pose.moved(motion, body, hand, np.arange(6), wrist, turn)
+    # The forearm's own axis stays at right angles to the hinge, y of the upper arm.
+    bone = rot.rotvec_to_matrix(got[:, 1])[:, :, 0]
+    assert np.abs(bone[:, 1]).max() < HINGE
+    assert np.abs(got[:, 1] - rotations[:, hand.arm[1]]).max() > 0.05

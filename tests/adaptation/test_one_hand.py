@@ -12,11 +12,15 @@ from halfphysics.adaptation.recorded_holds import recorded_holds
 from halfphysics.adaptation.thing import Thing
 from halfphysics.adaptation.timing import Timing
 from halfphysics.base import rotations as rot
+from halfphysics.motion.skeleton import JOINT_INDEX
 from halfphysics.settings import Settings
+from support.carries.recordings import Case, recording
 
 #: Inverse kinematics: palms are where they should be to this [m], hands turned to this [rad].
 MET, TURNED = 1e-3, 0.02
 FRICTION = 0.8
+#: How much farther from a thing a hand goes while it comes, and nearer while it leaves [m].
+BACK = 0.003
 
 
 @pytest.fixture(scope="module")
@@ -87,3 +91,32 @@ def test_it_stays_as_recorded_before_and_after(carry, right):
     motion, _ = held(carry, right, force=80.0)
     free = timing.share == 0.0
     assert np.array_equal(motion.rotations[free], carry.motion.rotations[free])
+
+
+def test_a_hand_does_not_back_off_before_it_touches_nor_clap_after():
+    """Palms and fingers come nearer to a ball until they touch, and go away from it."""
+    made = recording(Case("ball"))
+    sequence = made.sequence()
+    body, thing = sequence.body, Thing.of(sequence.scene.objects["ball"], made.track)
+    both = [Hand.of(body, side) for side in SIDES]
+    (hold,) = recorded_holds(sequence.motion, body, both, thing)
+    radius = np.linalg.norm(thing.item.true_shape.triangles()[0], axis=1).max()
+    for number, place in enumerate(places(sequence.motion, body, hold, FRICTION)):
+        times = len(sequence.motion), sequence.motion.fps
+        timing = Timing.of(hold, hold.arrives[number], *times)
+        motion, _ = one_hand.held(sequence.motion, body, hold, place, timing, 0.0, 0.0, Settings())
+        part = np.argmax(np.asarray(body.weights), axis=1)
+        thumbs = [JOINT_INDEX[f"{place.hand.side}_thumb{k}"] for k in (1, 2, 3)]
+        own = {place.hand.wrist, *place.hand.fingers} - set(thumbs)
+        skin = np.flatnonzero(np.isin(part, list(own)))
+        touches = np.flatnonzero(timing.closed == 1.0)
+        first, last, fps = int(touches[0]), int(touches[-1]), sequence.motion.fps
+        for frames in (
+            np.arange(first - round(0.8 * fps), first + 1),
+            np.arange(last, min(last + round(0.8 * fps), times[0]))[::-1],
+        ):
+            away = body.vertices(motion, frames=frames, indices=skin) - thing.position[frames, None]
+            gap = np.linalg.norm(away, axis=2).min(axis=1) - radius
+            assert gap[0] > 0.03
+            assert gap[-1] < 0.005
+            assert (gap - np.minimum.accumulate(gap)).max() < BACK

@@ -30,8 +30,9 @@ Array = NDArray[np.float64]
 _ROUNDS, _STEP, _DAMPING = 20, 0.05, 0.01
 #: Weight of rotations against positions [m/rad].
 _ARM = 0.12
-#: How willingly angles move: the elbow bends about y of its frame, and twists with the forearm.
-_WEIGHTS = np.array([1.0, 1.0, 1.0, 0.3, 1.0, 0.02, 0.6, 0.6, 0.6])
+#: How willingly angles move: the elbow bends about y of its frame, twists with the forearm and is a
+#: hinge else.
+_WEIGHTS = np.array([1.0, 1.0, 1.0, 0.3, 1.0, 0.0, 0.6, 0.6, 0.6])
 
 
 def moved(
@@ -63,15 +64,24 @@ def moved(
     rest = np.asarray(body.rest_joints)
     bones = [rest[b] - rest[a] for a, b in pairwise(hand.limb)]
     local = [rot.to_matrix(rot.exp(motion.rotations[frames][:, j])) for j in hand.limb]
+    bends = [k for k in range(3) if k != int(np.abs(bones[1]).argmax())]
     for _ in range(_ROUNDS):
         turns, places = chain(collar, shoulder, local, bones)
         lacks = rot.matrix_to_rotvec(turn @ np.swapaxes(turns[2], 1, 2))
         error = np.concatenate([_capped(wrist - places[2]), _capped(_ARM * lacks)], axis=1)
         jacobian = jacobians(turns, places)
+        # An elbow bends about axes of the upper arm and twists about its own, so it stays a hinge.
+        for k in bends:
+            axis = turns[0][:, :, k]
+            moves = np.cross(axis, places[2] - places[1])
+            jacobian[:, :, 3 + k] = np.concatenate([moves, axis], axis=1)
         jacobian[:, 3:] *= _ARM
         weighted = jacobian * willing
         square = weighted @ np.swapaxes(jacobian, 1, 2) + _DAMPING**2 * np.eye(6)
         step = np.einsum("nij,ni->nj", weighted, np.linalg.solve(square, error[..., None])[..., 0])
+        bend = np.zeros((len(frames), 3))
+        bend[:, bends], step[:, [3 + k for k in bends]] = step[:, [3 + k for k in bends]], 0.0
+        local[1] = rot.rotvec_to_matrix(bend) @ local[1]
         for k in range(3):
             local[k] = local[k] @ rot.rotvec_to_matrix(step[:, 3 * k : 3 * k + 3])
     return np.stack([rot.matrix_to_rotvec(m) for m in local], axis=1)

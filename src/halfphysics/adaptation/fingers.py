@@ -27,21 +27,24 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _NAMES = ("index", "middle", "ring", "pinky")
+_KNUCKLES = {JOINT_INDEX[f"{side}_{name}1"] for side in ("left", "right") for name in _NAMES}
 #: Flexion of a finger's joints, knuckle to tip, as it closes, and of the thumb's, relative.
 _RATES, _THUMB_RATES = np.array([0.75, 1.0, 0.6]), np.array([0.6, 0.8, 0.8])
-#: A finger opens by this before it closes, and closes by this at most [rad].
-_BACK, _CLOSES = 0.4, 2.0
-#: A thumb that comes to a grasp is open by this much more [rad]: opposed and little open, it pushes
-#: a glass away before it is in the hand.
-_THUMB_BACK = 0.5
+#: A finger opens by this before it closes, to straight at most, and closes by this at most [rad];
+#: below a palm that presses by the last: fingers that meet nothing make no fist.
+_BACK, _CLOSES, _PALM_CLOSES = 0.3, 2.0, 1.0
+#: The root of a thumb that comes to a grasp is open by this [rad]: opposed and little open, it
+#: pushes a glass away before it is in the hand. Its other joints bend no more back than fingers.
+_THUMB_BACK = 1.0
 #: Steps of a search, and rounds of it.
 _STEPS, _ROUNDS = 24, 2
 #: Skin that is nearer than this touches [m].
 _TOUCHES = 0.0015
 #: Ways in which a thumb opposes: abduction of its root [rad].
 _OPPOSES = np.radians([-90.0, -80.0, -70.0, -60.0])
-#: A finger that meets nothing stays this much bent [rad].
-_IDLE = 0.5
+#: A finger that meets nothing stays this much bent [rad]. Below a palm it is as bent as those that
+#: touch, and no joint is bent by more than this more than theirs.
+_IDLE, _TOGETHER = 0.5, 0.3
 _FLEXION, _ABDUCTION = 1, 2
 
 
@@ -72,16 +75,18 @@ def closed(body: Body, thing: Thing, place: Place, start: Array, known: bool) ->
         start: Rotations of its fingers (15, 3) [rad], where closing starts.
         known: They were recorded: the thumb opposes as it did.
     """
-    hand = _Hand(body, thing, place)
+    hand = _Hand(body, thing, place, known)
     rotations = np.zeros((N_JOINTS, 3))
     rotations[list(place.hand.fingers)] = start
     angles = hand.ranges.angles(rotations)
     presses = np.zeros((N_JOINTS, 3))
     normals = []
-    for name in _NAMES:
-        joints = [JOINT_INDEX[f"{place.hand.side}_{name}{k}"] for k in (1, 2, 3)]
-        normal = hand.close(angles, joints, _RATES, presses)
+    rows = np.array([[JOINT_INDEX[f"{place.hand.side}_{n}{k}"] for k in (1, 2, 3)] for n in _NAMES])
+    for joints in rows:
+        normal = hand.close(angles, list(joints), _RATES, presses)
         normals += [] if normal is None else [normal]
+    if not place.grasps and not known:
+        _together(angles, rows, presses)
     thumb = [JOINT_INDEX[f"{place.hand.side}_thumb{k}"] for k in (1, 2, 3)]
     if not place.grasps:
         if not known:
@@ -90,12 +95,29 @@ def closed(body: Body, thing: Thing, place: Place, start: Array, known: bool) ->
     elif not known or hand.close(angles, thumb, _THUMB_RATES, presses) is None:
         _close_thumb(hand, angles, thumb, presses, normals)
     own = np.array(place.hand.fingers)
-    opened = angles[own].copy()
-    opened[:, _FLEXION] -= _BACK
+    opened = angles.copy()
+    flexion = angles[:, _FLEXION]
+    opened[:, _FLEXION] = np.minimum(flexion, np.maximum(flexion - _BACK, 0.0))
     if place.grasps:
-        at = np.flatnonzero(np.isin(own, thumb))
-        opened[at, _FLEXION] -= _THUMB_BACK
+        root = flexion[thumb[0]] - _THUMB_BACK
+        opened[thumb[0], _FLEXION] = max(root, hand.ranges.lower[thumb[0], _FLEXION])
+    opened = opened[own]
     return Closed(own, angles[own], presses[own], None if known else opened)
+
+
+def _together(angles: Array, rows: NDArray[np.int64], presses: Array) -> None:
+    """Bends fingers (4, 3) about as those of them that touch, in place: a hand is no staircase."""
+    touch = presses[rows[:, 0], _FLEXION] > 0.0
+    if not touch.any():
+        return
+    usual = np.median(angles[rows[touch], _FLEXION], axis=0)
+    for joints, touches in zip(rows, touch, strict=True):
+        flexion = angles[joints, _FLEXION]
+        most = usual + _TOGETHER if touches else usual
+        # What is bent less than it takes does not touch.
+        lacks = np.logical_or.accumulate(flexion > most)
+        presses[joints[lacks], _FLEXION] = 0.0
+        angles[joints, _FLEXION] = np.minimum(flexion, most) if touches else usual
 
 
 def thumb_aside(body: Body, side: str) -> Array:
@@ -134,8 +156,8 @@ def _close_thumb(
 class _Hand:
     """A hand at its place: what its fingers meet."""
 
-    def __init__(self, body: Body, thing: Thing, place: Place) -> None:
-        self.body, self.thing, self.place = body, thing, place
+    def __init__(self, body: Body, thing: Thing, place: Place, known: bool = False) -> None:
+        self.body, self.thing, self.place, self.known = body, thing, place, known
         self.ranges = JointRanges.of(body)
         self.part = np.argmax(body.weights, axis=1)
         self.wrist = place.wrist
@@ -156,11 +178,16 @@ class _Hand:
     def close(self, angles: Array, joints: list[int], rates: Array, presses: Array) -> Array | None:
         """Flexes one finger until it touches, in place; the normal where it does, None: nowhere."""
         start, normal = 0, None
-        least = self.ranges.lower[joints, _FLEXION]
+        # Straight at most, or as recorded; only a thumb's root opens farther.
+        least = np.minimum(angles[joints, _FLEXION], 0.0)
+        if joints[0] not in _KNUCKLES:
+            least[0] = self.ranges.lower[joints[0], _FLEXION]
         most = self.ranges.upper[joints, _FLEXION]
         while start < 3:
             moving = np.where(np.arange(3) >= start, rates, 0.0)
-            low, high = (-_BACK if start == 0 else 0.0), _CLOSES
+            back = _BACK if joints[0] in _KNUCKLES else _THUMB_BACK
+            low = -back if start == 0 else 0.0
+            high = _CLOSES if self.place.grasps else _PALM_CLOSES
             vertices = np.flatnonzero(np.isin(self.part, joints[start:])).astype(np.int32)
             bone = np.searchsorted(joints, self.part[vertices])
             begin = angles[joints, _FLEXION].copy()
@@ -179,7 +206,7 @@ class _Hand:
                 hit = k
                 low, high = amounts[max(k - 1, 0)], amounts[k]
             if hit is None:
-                if start == 0:
+                if start == 0 and not self.known:
                     angles[joints, _FLEXION] = np.clip(begin + _IDLE * rates, least, most)
                 break
             before = max(hit - 1, 0)

@@ -15,9 +15,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.adaptation.fingers import thumb_aside
 from halfphysics.adaptation.hands import Hand
 from halfphysics.adaptation.recorded_holds import RecordedHold
 from halfphysics.base import rotations as rot
+from halfphysics.motion.skeleton import JOINT_INDEX
 
 if TYPE_CHECKING:
     from halfphysics.adaptation.thing import Thing
@@ -50,6 +52,8 @@ _STRAIGHT = 1e-3
 _BEARS, _TIPS = (-0.02, 0.085), 0.01
 #: Rounds in which a palm is laid on the surface, by no more than this [m].
 _LAYS, _LAID = 3, 0.03
+#: A palm whose thumb lies beside it rolls off the ball of the thumb by one of these [rad].
+_ROLLS = np.radians(np.arange(0.0, 12.1, 1.0))
 #: A line leaves this share of the cone of friction unused, at least.
 _SPARE = 0.25
 
@@ -122,12 +126,13 @@ def places(motion: Motion, body: Body, hold: RecordedHold, friction: float) -> t
         else:
             ahead = [turn @ hand.ahead for hand, (turn, _) in zip(hold.hands, seen, strict=True)]
             picked = _bearing(thing, candidates, ahead, up)
-    return tuple(
-        _laid(body, thing, _place(hand, its, k, before, way))
-        for hand, its, k, before, way in zip(
-            hold.hands, candidates, picked, seen, ways, strict=True
-        )
-    )
+    found = []
+    for hand, its, k, before, way in zip(hold.hands, candidates, picked, seen, ways, strict=True):
+        place = _place(hand, its, k, before, way)
+        if way.any() and not fingers_known(motion, hand):
+            place = _levelled(body, thing, place)
+        found.append(_laid(body, thing, place))
+    return tuple(found)
 
 
 def _grasp(body: Body, thing: Thing, hand: Hand, turn: Array, wrist: Array, pose: Array) -> Place:
@@ -272,6 +277,34 @@ def _laid(body: Body, thing: Thing, place: Place) -> Place:
             break
         place = replace(place, point=place.point - gap * place.normal)
     return place
+
+
+def _levelled(body: Body, thing: Thing, place: Place) -> Place:
+    """The place with the palm rolled until both of its sides are on the surface.
+
+    The ball of the thumb stands proud of a palm: a thing between two of them is held at two points,
+    and turns about their line.
+    """
+    hand = place.hand
+    root = JOINT_INDEX[f"{hand.side}_thumb1"]
+    part = np.argmax(np.asarray(body.weights), axis=1)
+    skin = np.flatnonzero(np.isin(part, [hand.wrist, root])).astype(np.int32)
+    fingers = np.zeros((len(hand.fingers), 3))
+    fingers[hand.fingers.index(root)] = thumb_aside(body, hand.side)
+    local = hand.skin(body, fingers, skin)
+    ball = part[skin] == root
+    other = ~ball & (local[:, 2] < hand.palm[2])
+    if not ball.any() or not other.any():
+        return place
+    level, least = place, np.inf
+    for roll in _ROLLS:
+        turn = place.turn @ rot.rotvec_to_matrix(np.array([-roll, 0.0, 0.0]))
+        rolled = replace(place, turn=turn)
+        gaps = thing.gaps(rolled.wrist + local @ turn.T)
+        off = abs(float(gaps[ball].min() - gaps[other].min()))
+        if off < least:
+            level, least = rolled, off
+    return level
 
 
 def _place(

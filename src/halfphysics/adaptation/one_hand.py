@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.adaptation import arm_pose, press
+from halfphysics.adaptation import arm_pose, forearms, press
 from halfphysics.adaptation.fingers import closed
 from halfphysics.adaptation.grips import Place, fingers_at, fingers_known
 from halfphysics.base import rotations as rot
 from halfphysics.body.joint_ranges import JointRanges, from_swing_twist
+from halfphysics.motion.skeleton import JOINT_NAMES
 
 if TYPE_CHECKING:
     from halfphysics.adaptation.recorded_holds import RecordedHold
@@ -28,6 +29,11 @@ Array = NDArray[np.float64]
 
 #: A palm comes to the surface from so far and leaves to there, and one whose fingers grasp [m].
 _OPEN, _GRASP_OPEN = 0.03, 0.01
+#: The way from coming as recorded to keeping open is rounded over this part of the opening.
+_ROUNDED = 0.3
+#: A thumb that was not recorded opens sooner than the hand comes, and closes later than it leaves:
+#: in its way it pushes the thing. It lacks what the hand lacks of its way, to this power.
+_THUMB_FIRST = 2.7
 #: Palms touch at this distance from the surface [m]: contact keeps so much clear.
 _CLEARANCE = 0.001
 
@@ -61,6 +67,8 @@ def held(
     rows = np.ix_(frames, np.array(hand.arm))
     rotations[rows] = arm_pose.moved(motion, body, hand, frames, wrist, turn)
     motion = motion.with_frames(motion.translation, rotations)
+    if place.presses.any():
+        motion = forearms.cleared(motion, body, hand, hold, timing.share)
     motion = _closed(motion, body, hold, place, timing, squeeze)
     pressing = np.flatnonzero(timing.presses > 0.0)
     if force == 0.0 or settings.drive_time is None or not len(pressing):
@@ -101,10 +109,12 @@ def _reached(
     seen = np.einsum("tji,tj->ti", world, palm - at)
     seen_turn = np.swapaxes(world, 1, 2) @ turn
     held = timing.fixed[frames, None]
-    to = seen + place.point - place.seen
-    opening = _GRASP_OPEN if place.grasps else _OPEN
-    apart = opening * (1.0 - timing.closed[frames, None])
-    to = to + held * (place.point - to) + (_CLEARANCE + apart) * place.normal
+    shift = place.point - place.seen
+    inside = 0.0 if place.grasps else max(0.0, float(shift @ place.normal))
+    to = seen + shift - inside * place.normal
+    to = to + held * (place.point - to)
+    apart = _apart(place, (to - place.point) @ place.normal, timing.closed[frames], inside)
+    to = to + (_CLEARANCE + apart)[:, None] * place.normal
     shifted = place.turn @ place.seen_turn.T @ seen_turn
     rest = rot.matrix_to_rotvec(place.turn @ np.swapaxes(shifted, 1, 2))
     to_turn = world @ rot.rotvec_to_matrix(held * rest) @ shifted
@@ -116,6 +126,28 @@ def _reached(
     away = float(np.median(np.linalg.norm(to - palm, axis=1)[during]))
     palm = palm + part * (to - palm)
     return turn, palm - turn @ hand.palm, away
+
+
+def _apart(place: Place, gap: Array, closed: Array, inside: float) -> Array:
+    """How far a hand is to go outwards (n,) [m], so that its palm is open by what it is to be.
+
+    A palm that is farther from the surface than that comes as it was recorded: going out first, to
+    come back, it would clap.
+
+    Args:
+        place: Where it is to be.
+        gap: Of its palm from the surface, as recorded (n,) [m].
+        closed: How far it is closed (n,).
+        inside: How deep it was recorded inside what it holds [m]; it goes out by no more than that
+            and its opening, wherever else it goes.
+    """
+    opening = (_GRASP_OPEN if place.grasps else _OPEN) * (1.0 - closed)
+    if place.grasps:
+        return opening
+    lacks = opening - gap
+    # The larger of that and 0, without a corner.
+    out: Array = 0.5 * (lacks + np.sqrt(lacks**2 + (_ROUNDED * opening) ** 2))
+    return np.minimum(out, opening + inside)
 
 
 def _closed(
@@ -142,7 +174,9 @@ def _closed(
         mixed = recorded + share * closes * (target - recorded)
     else:
         target = around.opened + closes * (target - around.opened)
-        mixed = recorded + share * (target - recorded)
+        thumb = np.array(["thumb" in JOINT_NAMES[j] for j in around.joints])
+        lacks = (1.0 - share) ** np.where(thumb, _THUMB_FIRST, 1)[:, None]
+        mixed = recorded + (1.0 - lacks) * (target - recorded)
     rotations = np.array(motion.rotations)
     rotations[np.ix_(frames, around.joints)] = from_swing_twist(mixed, axes)
     return motion.with_frames(motion.translation, rotations)

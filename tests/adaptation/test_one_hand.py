@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -61,6 +63,16 @@ def test_while_it_holds_the_palm_is_at_its_place_and_does_not_move(carry, right)
     assert np.linalg.norm(at - wanted, axis=1).max() < MET
     assert np.linalg.norm(rot.matrix_to_rotvec(turn @ place.turn.T), axis=1).max() < TURNED
     assert 0.0 < away < 0.05
+
+
+def test_a_share_over_1_by_rounding_is_1(carry, right):
+    hold, place, timing = right
+    over = dataclasses.replace(
+        timing, share=np.where(timing.share == 1.0, 1.0 + 3e-16, timing.share)
+    )
+    assert over.share.max() > 1.0
+    found, exact = (held(carry, (hold, place, t))[0] for t in (over, timing))
+    assert np.abs(found.rotations - exact.rotations).max() < 1e-9
 
 
 def test_only_its_own_arm_and_fingers_change(carry, right):

@@ -175,7 +175,8 @@ def _closed(
     else:
         target = around.opened + closes * (target - around.opened)
         thumb = np.array(["thumb" in JOINT_NAMES[j] for j in around.joints])
-        lacks = (1.0 - share) ** np.where(thumb, _THUMB_FIRST, 1)[:, None]
+        # A share may be over 1 by rounding.
+        lacks = np.maximum(1.0 - share, 0.0) ** np.where(thumb, _THUMB_FIRST, 1)[:, None]
         mixed = recorded + (1.0 - lacks) * (target - recorded)
     rotations = np.array(motion.rotations)
     rotations[np.ix_(frames, around.joints)] = from_swing_twist(mixed, axes)

@@ -265,3 +265,32 @@ def test_own_pieces_of_another_size_are_said():
     with pytest.warns(HalfPhysicsWarning, match="its 1 pieces stick out.*leave up"):
         Scene().add_object("x", l_shape(), mass=1.0, pieces=[small])
     assert decomposition.WARN_MM == 5.0
+
+
+def cushion():
+    """A box of 1.6 by 0.5 by 0.3 m with a seam of 2 cm across its middle, closed."""
+    import trimesh
+
+    half = np.array([[-0.25, 0.0], [0.25, 0.0], [0.25, 0.3], [-0.25, 0.3]])
+    rings = []
+    for x, inset in ((-0.8, 0.0), (-0.02, 0.0), (0.0, 0.02), (0.02, 0.0), (0.8, 0.0)):
+        middle = half.mean(axis=0)
+        ring = middle + (half - middle) * (1.0 - inset / np.abs(half - middle))
+        rings.append(np.column_stack([np.full(4, x), ring]))
+    vertices = np.concatenate(rings)
+    faces = [[0, 1, 2], [0, 2, 3], [18, 17, 16], [19, 18, 16]]
+    for k in range(4):
+        for i in range(4):
+            a, b = 4 * k + i, 4 * k + (i + 1) % 4
+            faces += [[a, a + 4, b], [b, a + 4, b + 4]]
+    mesh = trimesh.Trimesh(vertices, faces)
+    mesh.fix_normals()
+    return Mesh(np.asarray(mesh.vertices), np.asarray(mesh.faces))
+
+
+def test_the_seam_of_a_cushion_is_not_cut_unless_it_is_asked_for():
+    seen = decompose(cushion(), Cut())
+    assert len(seen.pieces) == 1
+    assert seen.outside_mm == pytest.approx(20.0 / np.sqrt(2.0), abs=2.0)  # a groove of 90 degrees
+    fine = decompose(cushion(), Cut(threshold=0.0029))
+    assert len(fine.pieces) > 1

@@ -28,8 +28,11 @@ Array = NDArray[np.float64]
 THRESHOLD = 0.003
 #: Pieces that stick out of the mesh or leave it uncovered by more cause a warning [mm].
 WARN_MM = 5.0
+#: A solid that fills its hull to this is its hull where that sticks out by at most this share of
+#: its longest extent.
+_FULL, _SEAMS = 1.03, 0.02
 #: A change of how pieces are made or measured: kept ones of another number are not used.
-_VERSION = 3
+_VERSION = 4
 #: Cutting fewer triangles takes a moment, of which nothing is said.
 _SAID = 1_000
 #: More solids than this are cut as one.
@@ -215,10 +218,17 @@ def _signed_volume(mesh: Mesh) -> float:
 
 
 def _hull_that_fits(solid: Mesh, threshold: float) -> Mesh | None:
-    """The hull of a closed solid, if it sticks out by no more than the threshold."""
+    """The hull of a closed solid, if it sticks out by no more than the threshold.
+
+    Of a solid that nearly fills its hull by a share of its size, unless a finer threshold than the
+    usual is asked for: the seams of a cushion are hundreds of cuts, and minutes.
+    """
     if not solid.closed:
         return None
     hull = solid.hull
     if hull.volume > 2.0 * solid.solid_volume:
         return None
-    return hull if piece_error(solid, [hull]).outside_mm <= 1000.0 * threshold else None
+    most = threshold
+    if threshold >= THRESHOLD and hull.volume <= _FULL * solid.solid_volume:
+        most = max(most, _SEAMS * float(np.ptp(solid.vertices, axis=0).max()))
+    return hull if piece_error(solid, [hull]).outside_mm <= 1000.0 * most else None

@@ -14,7 +14,7 @@ import sys
 import pytest
 
 from support.files.hostile_files import ATTACKS, HARMLESS
-from support.paths import ROOT, TESTS
+from support.paths import TESTS
 
 pytestmark = [
     pytest.mark.skipif(os.name != "posix", reason="pipes and devices of POSIX"),
@@ -29,7 +29,7 @@ NAMES = [name for attacks in ATTACKS.values() for name in attacks]
 @pytest.fixture(scope="module")
 def answers(tmp_path_factory):
     folder = tmp_path_factory.mktemp("hostile")
-    paths = (str(ROOT / "src"), str(TESTS))
+    paths = (*filter(None, sys.path), str(TESTS))
     command = [sys.executable, "-m", "support.files.open_hostile", str(folder)]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
     try:

@@ -14,6 +14,10 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+#: Libraries that are loaded into every program: a sanitizer or an allocator among them reserves
+#: more than any limit of memory.
+_PRELOADED = ("LD_PRELOAD", "DYLD_INSERT_LIBRARIES")
+
 
 @dataclass(frozen=True)
 class Answer:
@@ -43,6 +47,7 @@ def run(script: Path, request: bytes, *, seconds: float, memory: int) -> Answer:
     command = [sys.executable, "-P", str(script), str(memory)]
     found = {"PYTHONPATH": os.pathsep.join(folder for folder in sys.path if folder)}
     one_thread = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")}
+    own = {name: value for name, value in os.environ.items() if name not in _PRELOADED}
     try:
         done = subprocess.run(
             command,
@@ -50,7 +55,7 @@ def run(script: Path, request: bytes, *, seconds: float, memory: int) -> Answer:
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             timeout=seconds,
-            env={**os.environ, **one_thread, **found},
+            env={**own, **one_thread, **found},
             check=False,
             creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
         )

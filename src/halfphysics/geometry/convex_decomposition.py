@@ -32,7 +32,7 @@ WARN_MM = 5.0
 #: its longest extent.
 _FULL, _SEAMS = 1.03, 0.02
 #: A change of how pieces are made or measured: kept ones of another number are not used.
-_VERSION = 4
+_VERSION = 5
 #: Cutting fewer triangles takes a moment, of which nothing is said.
 _SAID = 1_000
 #: More solids than this are cut as one.

@@ -11,6 +11,7 @@ coacd uses all cores (OMP_NUM_THREADS limits them); the pieces are the same for 
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Iterator
 
@@ -77,11 +78,11 @@ def _surfaces(solid: Mesh, threshold: float) -> Iterator[Mesh]:
     fine = is_manifold(solid.faces)
     if fine and len(solid.faces) <= _MOST_TRIANGLES:
         yield _fewer(solid, threshold)
-    for quads in (_QUADS, 3 * _QUADS):
-        try:
-            yield _fewer(remeshed(solid, cell_for(solid, quads, threshold)), threshold)
-        except InputError:  # nothing of it is left
-            continue
+    new = None
+    with contextlib.suppress(InputError):  # nothing of it is left
+        new = _fewer(remeshed(solid, cell_for(solid, _QUADS, threshold)), threshold)
+    if new is not None:
+        yield new
     yield solid
 
 

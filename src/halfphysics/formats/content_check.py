@@ -97,8 +97,9 @@ def checked(
     with held() as texts:
         found = read(options)
     unit = _unit_of(people(found))
-    looks = [_glance(motion) for motion in people(found)]
-    sides = _sides(people(found))  # whose joints are wrong may stand anywhere
+    with np.errstate(over="ignore", invalid="ignore"):  # damaged numbers are no answer here
+        looks = [_glance(motion) for motion in people(found)]
+        sides = _sides(people(found))  # whose joints are wrong may stand anywhere
     up, told = _axis(looks, people(found), options.up, sure=not sides)
     if up is not None or unit != options.unit:
         options = replace(options, up=up or options.up, unit=unit)

@@ -51,6 +51,18 @@ def test_the_origin_of_an_estimator_may_be_the_pelvis():
     assert any("floated by 300" in line for line in repair.done)
 
 
+def test_where_no_sole_rests_the_height_stays():
+    """Somebody who falls from far above: nothing tells where the ground is."""
+    high = standing(20)
+    time = np.arange(20) / 30.0
+    fall = np.outer(50.0 - 2.0 * time - 0.5 * 9.81 * time**2, [0.0, 0.0, 1.0])
+    motion = high.with_frames(high.translation + fall, high.rotations)
+    repair = hp.fix(motion, plant=False)
+    assert any("height and axes stay" in line for line in repair.done)
+    asked = repair.result.people[0].reference
+    assert np.array_equal(asked.translation, motion.translation)
+
+
 def test_steps_can_be_left_out():
     bad = sunk(standing(), hp.Body.default())
     repair = hp.fix(bad, level=False, plant=False)

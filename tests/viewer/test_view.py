@@ -135,9 +135,9 @@ def test_without_blocking_it_is_a_context_that_cleans_up(capfd):
     assert left == []
 
 
-def test_ctrl_c_while_it_blocks_stops_it_and_is_passed_on(monkeypatch):
+def test_ctrl_c_before_it_waits_stops_it_and_is_passed_on(monkeypatch):
     made = []
-    monkeypatch.setattr(Viewer, "wait", lambda self: (made.append(self), self.stop(), _interrupt()))
+    monkeypatch.setattr(Viewer, "wait", lambda self: (made.append(self), _interrupt()))
 
     def _interrupt():
         raise KeyboardInterrupt

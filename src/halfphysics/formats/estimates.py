@@ -45,6 +45,8 @@ CAMERA = {
 }
 #: A track may be so many times longer than the frames in which it was seen, and so many frames.
 _SPARSE, _FEW = 50, 1000
+#: The place between the hips is taken from the hip joints.
+HIPS = {"hips": "the point between the hips: that of the hip joints"}
 #: Where the pelvis is at rest is in SMPL's model file only.
 PELVIS = {"pelvis": "SMPL's joints at rest: the default body's (model= a model file has its own)"}
 _HIPS = [JOINT_INDEX["left_hip"], JOINT_INDEX["right_hip"]]

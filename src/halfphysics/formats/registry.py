@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from collections.abc import Sequence as Listing
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from halfphysics.base.axes import AXES, axes_of
+from halfphysics.base.axes import axes_of
 from halfphysics.base.reader_warnings import one_warning, warn
 from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import body as checked_body
-from halfphysics.base.validation import file_path, frame_rate, number, shown
+from halfphysics.base.validation import file_path, shown
 from halfphysics.errors import FileError, InputError
 from halfphysics.formats import blender, emage, hymotion, plain, smpl_codec
 from halfphysics.formats.amass import smpl as amass_smpl
 from halfphysics.formats.amass import smplh as amass_smplh
 from halfphysics.formats.amass import smplx as amass_smplx
 from halfphysics.formats.bvh import bvh
+from halfphysics.formats.checked_options import checked_options
 from halfphysics.formats.content_check import checked
 from halfphysics.formats.datasets import (
     aist,
@@ -63,7 +64,7 @@ from halfphysics.formats.video import (
     tram,
     wham,
 )
-from halfphysics.motion.motion import GENDERS, MODELS, Motion
+from halfphysics.motion.motion import Motion
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -168,7 +169,7 @@ def load_motion(
     floor: float | Literal["lowest"] | None = None,
 ) -> Motion:
     """Implements `Motion.load`; see there."""
-    options = _options(fps, up, hands, model, gender, frames, clip, assets, floor=floor)
+    options = checked_options(fps, up, hands, model, gender, frames, clip, assets, floor=floor)
     source, format, options = _found(path, options)
     if format.people is not None:
         track = chosen(str(source.path), format.people(source), options.clip)
@@ -236,7 +237,7 @@ def load_sequence(
     """
     if objects not in ("free", "replayed"):
         raise InputError(f"objects: found {shown(objects)}, expected 'free' or 'replayed'")
-    options = _options(fps, up, hands, model, gender, frames, clip, assets, objects, floor)
+    options = checked_options(fps, up, hands, model, gender, frames, clip, assets, objects, floor)
     source, format, options = _found(path, options)
     with one_warning(source.path):
         if _is_result(source):
@@ -394,66 +395,6 @@ def _in_axes(motion: Motion, format: str, up: str, body: Body | None) -> Motion:
             "rest. Say whose motion it is with body="
         )
     return motion.rebased(body, up)
-
-
-def _options(
-    fps: float | None,
-    up: str | None,
-    hands: str | None,
-    model: str | os.PathLike[str] | None,
-    gender: str | None,
-    frames: tuple[int | None, int | None] | None,
-    clip: str | None,
-    assets: Assets,
-    objects: str = "free",
-    floor: float | Literal["lowest"] | None = None,
-) -> Options:
-    """The caller's options, checked."""
-    if up is not None and (not isinstance(up, str) or up not in AXES):
-        raise InputError(f"up: found {shown(up)}, expected one of {', '.join(map(repr, AXES))}")
-    if floor is not None and floor != "lowest":
-        try:
-            floor = number(floor, "floor", unit="m")
-        except InputError as error:
-            raise InputError(f"{error}, or 'lowest'") from None
-    if hands not in (None, "flat", "mean"):
-        raise InputError(f"hands: found {hands!r}, expected 'flat' or 'mean'")
-    if fps is not None:
-        fps = frame_rate(fps)
-    if model is not None and str(model) not in MODELS and not file_path(model).exists():
-        raise InputError(
-            f"model: found '{model}', expected one of {', '.join(MODELS)} or the path of a "
-            "body-model file that exists"
-        )
-    if gender is not None and gender not in GENDERS:
-        raise InputError(f"gender: found {gender!r}, expected one of {', '.join(GENDERS)}")
-    pair = isinstance(frames, list | tuple) and len(frames) == 2
-    if frames is not None and not (pair and all(isinstance(i, int | None) for i in frames)):
-        raise InputError(
-            f"frames: found {shown(frames)}, expected (start, stop), whole numbers or None"
-        )
-    if clip is not None and (not isinstance(clip, str) or not clip):
-        raise InputError(f"clip: found {shown(clip)}, expected the name of a clip in the file")
-    if assets is None:
-        assets = ()
-    elif isinstance(assets, str | os.PathLike) or not isinstance(assets, Iterable):
-        assets = (assets,)
-    folders = tuple(file_path(folder) for folder in assets)
-    for folder in folders:
-        if not folder.is_dir():
-            raise InputError(f"assets: found '{folder}', expected a folder that exists")
-    return Options(
-        fps=fps,
-        up=up,
-        hands=hands,
-        model=model,
-        gender=gender,
-        frames=slice(*frames) if frames else slice(None),
-        clip=clip or "",
-        assets=folders,
-        objects=objects,
-        floor=floor,
-    )
 
 
 def _found(path: str | os.PathLike[str], options: Options) -> tuple[Source, Format, Options]:

@@ -176,24 +176,19 @@ def _on_ground(
     people: list[tuple[Motion, Body]], scene: Scene, known: bool, done: list[str]
 ) -> list[tuple[Motion, Body]]:
     """Everybody on the ground, by what their soles have in common; `done` says what was done."""
-    soles = [Soles.of(m, b, scene) for m, b in people]
-    lifted = 0.0 if known else _far_off(soles)
-    if lifted:
-        people = [(_lifted(m, -lifted), b) for m, b in people]
-        soles = [Soles.of(m, b, scene) for m, b in people]
+    found = [Soles.of(m, b, scene) for m, b in people]
+    far = 0.0 if known else _far_off(found)
+    near = [(_lifted(m, -far), b) for m, b in people] if far else people
+    soles = [Soles.of(m, b, scene) for m, b in near] if far else found
     ground = fit_ground(soles)
     if ground is None:
         done.append("no sole rests on anything: the ground is not known, height and axes stay")
         return people
-    if lifted:
-        ground = dataclasses.replace(ground, height=ground.height + lifted)
-        people = [(_lifted(m, lifted), b) for m, b in people]
-        centre = ground.centre + lifted * _UP
-        ground = dataclasses.replace(ground, centre=centre)
+    people = near
     if not ground.level:
         people = [(levelled(m, b, ground), b) for m, b in people]
-        done += _told(ground)
         soles = [Soles.of(m, b, scene) for m, b in people]
+    done += _told(ground, ground.height + far)
     velocity = common_slide(soles)
     if velocity.any():
         people = [(without_slide(m, velocity), b) for m, b in people]
@@ -212,16 +207,17 @@ def _lifted(motion: Motion, by: float) -> Motion:
     return motion.with_frames(motion.translation + by * _UP, motion.rotations)
 
 
-def _told(ground: Ground) -> list[str]:
+def _told(ground: Ground, height: float) -> list[str]:
+    """What was wrong with the ground, in words; `height`: how far the clip floated in all [m]."""
     lines = []
     if ground.tilt:
         lines.append(f"tilted by {np.rad2deg(ground.tilt):.1f} degrees: turned level")
     if ground.drift:
         way = "up" if ground.drift > 0.0 else "down"
         lines.append(f"drifted {way} by {100.0 * abs(ground.drift):.1f} cm/s: taken off")
-    if ground.height:
-        how = "floated" if ground.height > 0.0 else "sunk"
-        lines.append(f"{how} by {100.0 * abs(ground.height):.1f} cm: put on the ground")
+    if height:
+        how = "floated" if height > 0.0 else "sunk"
+        lines.append(f"{how} by {100.0 * abs(height):.1f} cm: put on the ground")
     return lines
 
 

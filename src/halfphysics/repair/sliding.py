@@ -37,7 +37,7 @@ def common_slide(people: Sequence[Soles]) -> Array:
     found = [_velocity(soles, *phase) for soles in people for phase in soles.phases()]
     velocities = np.array([v for v, _ in found]).reshape(-1, 2)
     lengths = np.array([n for _, n in found])
-    if len(velocities) < _RESTS:
+    if len(velocities) < _RESTS or not lengths.any():
         return np.zeros(2)
     middle = _median(velocities, lengths)
     off = np.linalg.norm(velocities - middle, axis=1)

@@ -118,10 +118,11 @@ class Served(ABC):
         print(self.announce(), flush=True)
         if not block:
             return
-        print("Ctrl-C ends it", flush=True)
         try:
+            print("Ctrl-C ends it", flush=True)
             self.wait()
         except KeyboardInterrupt:
+            self.stop()  # Ctrl-C may come before `wait` has begun
             print("", file=sys.stderr)
             raise
 

@@ -24,6 +24,7 @@ from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.estimates import (
     CAMERA,
     FLOOR,
+    HIPS,
     PELVIS,
     Seen,
     estimated,
@@ -158,7 +159,6 @@ def _read(who: Seen, options: Options) -> Motion:
     betas = mean_shape(record, _SHAPE, len(rotations))
     betas = None if betas is None else betas[:_BETAS]
     rest, own = rest_joints(options, "smpl", betas)
-    told = {"hips": "the point between the hips: that of the hip joints"}
     return estimated(
         record.where,
         options,
@@ -169,7 +169,7 @@ def _read(who: Seen, options: Options) -> Motion:
         up="-y",
         model="smpl",
         betas=betas,
-        invented={**CAMERA, **told, **({} if own else PELVIS), **FLOOR},
+        invented={**CAMERA, **HIPS, **({} if own else PELVIS), **FLOOR},
     )
 
 

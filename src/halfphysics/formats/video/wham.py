@@ -14,6 +14,7 @@ import numpy as np
 
 from halfphysics.formats.estimates import (
     FLOOR,
+    HIPS,
     PELVIS,
     Seen,
     estimated,
@@ -56,7 +57,6 @@ def _read(who: Seen, options: Options) -> Motion:
     same_length(record.where, {"pose_world": len(rotations), "trans_world": len(places)})
     betas = mean_shape(record, "betas", len(places))
     rest, own = rest_joints(options, "smpl", betas)
-    told = {"hips": "the point between the hips: that of the hip joints"}
     return estimated(
         record.where,
         options,
@@ -67,7 +67,7 @@ def _read(who: Seen, options: Options) -> Motion:
         up="y",
         model="smpl",
         betas=betas,
-        invented={**told, **({} if own else PELVIS), **FLOOR},
+        invented={**HIPS, **({} if own else PELVIS), **FLOOR},
     )
 
 

@@ -99,7 +99,7 @@ BACK = {
     ("results.result", "metrics.part_report"): "Result.parts",
     ("results.result", "support.estimate"): "PersonResult.support",
     ("results.result", "support.support"): "the type of PersonResult.support",
-    ("formats.registry", "writers"): "load_sequence names what hp.export writes instead",
+    ("formats.saving", "writers"): "Motion.save names what hp.export writes instead",
 }
 
 #: Folder of src/native -> folders that its files may include, of those above it. All may include

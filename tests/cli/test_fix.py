@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 from repair.test_repair import standing
@@ -9,6 +11,8 @@ from repair.test_repair import standing
 import halfphysics as hp
 from halfphysics.cli import main
 from support.damage import floating
+from support.files import video_files as files
+from support.files.video_files import Person
 
 
 @pytest.fixture
@@ -66,3 +70,24 @@ def test_a_mistake_is_one_message(clip, tmp_path, capsys, arguments, words, monk
     assert err.startswith("halfphysics: error: ")
     assert words in err
     assert list(tmp_path.iterdir()) == [clip]
+
+
+def test_people_of_a_video_go_back_into_one_file(tmp_path, capsys):
+    body = hp.Body.default()
+    high = floating(standing(), body).rebased(body, "y")
+    translation, rotations = high.in_file_axes()
+    people = [
+        Person(name, np.arange(4, 4 + len(high)), translation + np.array([x, 0, 0]), rotations)
+        for name, x in (("3", 0.0), ("8", 1.5))
+    ]
+    source = files.joblib_file(tmp_path / "wham_output.pkl", files.wham_data(people))
+    out = tmp_path / "fixed.pkl"
+    assert main(["fix", str(source), "--out", str(out)]) == 0
+    assert f"written: {out} (wham)" in capsys.readouterr().out
+    found = pickle.loads(out.read_bytes())  # the test's own file
+    assert list(found) == [3, 8]
+    for who in people:
+        own = found[int(who.name)]
+        assert own["frame_ids"].tolist() == who.frames.tolist()
+        lower = own["trans_world"] - who.hips()
+        assert np.abs(lower - [0.0, -0.05, 0.0]).max() < 5e-3

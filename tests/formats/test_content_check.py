@@ -39,6 +39,11 @@ SAME = 2e-5
 MEASURED = 1e-3
 WRITERS = [name for name, format in FORMATS.items() if format.save is not None]
 OTHERS = [up for up in AXES if up != "z"]
+#: What estimators' files never say is told of each, whatever is in it.
+NOT_SAID = "not in the file, and taken as"
+#: Rotations are told by how joints bend; of positions a mirror image is told by the toes
+#: (tests/formats/positions).
+TURNING = [name for name in WRITERS if name not in ("joints", "mdm")]
 #: Formats that find the axis up by themselves, without this check.
 BY_THEMSELVES = ("bvh",)
 
@@ -71,7 +76,8 @@ def checked(motion: hp.Motion, **options) -> tuple[hp.Motion, list[str]]:
 @pytest.mark.parametrize("name", WRITERS)
 def test_a_right_file_is_read_as_it_is(tmp_path, name):
     motion, told = read(written(name, walker(), tmp_path), name, fps=30.0)
-    assert not any("up=" in line or "wrong way" in line or "floor=" in line for line in told)
+    found = [line for line in told if NOT_SAID not in line]
+    assert not any("up=" in line or "wrong way" in line or "floor=" in line for line in found)
     assert np.abs(heights(motion) - heights(walker())).max() < MEASURED
 
 
@@ -108,7 +114,7 @@ def test_other_units_are_read_in_metres(tmp_path, name, factor):
     assert any("translations are in" in line for line in read(again, name, fps=30.0)[1])
 
 
-@pytest.mark.parametrize("name", WRITERS)
+@pytest.mark.parametrize("name", TURNING)
 def test_a_mirrored_person_is_told(tmp_path, name):
     _, told = read(written(name, mirrored(walker()), tmp_path), name, fps=30.0)
     lines = [line for line in told if "joints bend the wrong way: left elbow" in line]

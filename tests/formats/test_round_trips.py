@@ -22,6 +22,8 @@ from support.files.layouts import movement
 SAME = 1e-6
 #: The pelvis [m] of a body whose shape was guessed from its joints.
 GUESSED = 1e-4
+#: Joints [m] of a motion that was written as their positions and found by inverse kinematics.
+MET = 5e-3
 #: Joints that a line of `losses` concerns; a line that matches none concerns no joint.
 HANDS = (*skeleton.LEFT_HAND_JOINTS, *skeleton.RIGHT_HAND_JOINTS)
 GROUPS = {"the fingers": HANDS, "jaw and eyes": skeleton.FACE_JOINTS}
@@ -85,6 +87,11 @@ def apart(found: np.ndarray, asked: np.ndarray, *, guessed: bool) -> float:
     return float(np.abs(found - asked - shift).max())
 
 
+def joints(body: hp.Body, motion: hp.Motion) -> np.ndarray:
+    """SMPL's first 22 joints (T, 22, 3), which files of positions have."""
+    return body.joints(motion)[:, : len(skeleton.SMPL_JOINTS)]
+
+
 @pytest.mark.filterwarnings("ignore::halfphysics.errors.HalfPhysicsWarning")
 @pytest.mark.parametrize("model", ["smplx", "smplh", "smpl"])
 @pytest.mark.parametrize("name", WRITERS)
@@ -96,6 +103,9 @@ def test_what_goes_out_comes_back(tmp_path, name, model):
     back = read(path, motion, lost)
     assert back.fps == motion.fps
     assert len(back) == len(motion)
+    if any("turns of bones" in line for line in lost):
+        assert np.abs(joints(body, back) - joints(body, motion)).max() < MET
+        return
     asked = body.vertices(without(motion, lost))
     shape = any("shape" in line for line in lost)
     assert apart(body.vertices(back), asked, guessed=shape) < SAME, lost

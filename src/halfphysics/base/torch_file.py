@@ -232,34 +232,47 @@ INLINE = Guests(
 )
 
 
-def write(path: Path, array: NDArray[np.float32]) -> None:
-    """Write one tensor of single precision, as `torch.save` does.
+def write(path: Path, data: Any) -> None:
+    """Write a tensor, or a dict of tensors, of such dicts, numbers and strings, as `torch.save`.
+
+    Arrays of whole numbers become tensors of 64 bits, all others of single precision.
 
     Raises:
         FileError: The folder is missing or cannot be written; nothing is left behind.
     """
-    numbers = np.array(array, dtype="<f4", order="C")
+    tensors: list[NDArray[Any]] = []
+    content = b"\x80\x02" + _content(data, tensors) + b"."
+    members = [(f"archive{_PICKLE}", content), ("archive/byteorder", b"little")]
+    members += [(f"archive/data/{k}", numbers.tobytes()) for k, numbers in enumerate(tensors)]
+    members += [("archive/version", b"3\n")]
+    with atomic_write(path) as handle, zipfile.ZipFile(handle, "w") as archive:
+        for name, raw in members:
+            info = zipfile.ZipInfo(name)  # of 1980: the bytes depend on the content only
+            info.external_attr = 0o644 << 16
+            archive.writestr(info, raw)
+
+
+def _content(value: Any, tensors: list[NDArray[Any]]) -> bytes:
+    """The opcodes that put a value on the stack; its tensors are added to `tensors`."""
+    if isinstance(value, dict):
+        pairs = (_plain(key) + _content(own, tensors) for key, own in value.items())
+        return b"}(" + b"".join(pairs) + b"u"
+    if not isinstance(value, np.ndarray):
+        return _plain(value)
+    whole = value.dtype.kind in "iu"
+    numbers = np.array(value, dtype="<i8" if whole else "<f4", order="C")
     strides = tuple(step // numbers.itemsize for step in numbers.strides)
     named = b"c%s\n%s\n"  # a global by name, which only the reader looks up
     storage = (
-        b"(" + _plain("storage") + named % (b"torch", b"FloatStorage")
-        + _plain("0") + _plain("cpu") + _plain(numbers.size) + b"tQ"
+        b"(" + _plain("storage") + named % (b"torch", b"LongStorage" if whole else b"FloatStorage")
+        + _plain(str(len(tensors))) + _plain("cpu") + _plain(numbers.size) + b"tQ"
     )  # fmt: skip
-    tensor = (
-        b"\x80\x02" + named % (b"torch._utils", b"_rebuild_tensor_v2") + b"(" + storage
+    tensors.append(numbers)
+    return (
+        named % (b"torch._utils", b"_rebuild_tensor_v2") + b"(" + storage
         + _plain(0) + _plain(numbers.shape) + _plain(strides) + _plain(False)
-        + named % (b"collections", b"OrderedDict") + b")RtR."
+        + named % (b"collections", b"OrderedDict") + b")RtR"
     )  # fmt: skip
-    with atomic_write(path) as handle, zipfile.ZipFile(handle, "w") as archive:
-        for name, content in (
-            (f"archive{_PICKLE}", tensor),
-            ("archive/byteorder", b"little"),
-            ("archive/data/0", numbers.tobytes()),
-            ("archive/version", b"3\n"),
-        ):
-            info = zipfile.ZipInfo(name)  # of 1980: the bytes depend on the content only
-            info.external_attr = 0o644 << 16
-            archive.writestr(info, content)
 
 
 def _plain(value: Any) -> bytes:

@@ -44,8 +44,9 @@ class Command:
     motion: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="MOTION")]
     """Motion file."""
     out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"], metavar="FILE")] = None
-    """Motion file to write, in the format that MOTION came in where that can be written; of several
-    people each gets a file, with its number. Without it only the numbers are printed."""
+    """Motion file to write, in the format that MOTION came in where that can be written; where its
+    files hold one person, each of several gets one, with a number. Without it only the numbers are
+    printed."""
     format: str | None = None
     """Format to write, where it is to be another."""
     page: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
@@ -112,16 +113,15 @@ class Command:
         print(table(rows))
 
     def _save(self, repair: Repair, bodies: list[Body], out: Path) -> None:
-        from halfphysics.formats import losses, writer_of
+        from halfphysics.formats import losses, save_people, writer_of
 
-        for k, motion in enumerate(repair.motions):
-            path = out
-            if len(repair.motions) > 1:
-                path = path.with_name(f"{path.stem}_{k + 1}{path.suffix}")
-            motion.save(path, format=self.format, body=bodies[k])
-            for loss in losses(motion, path, self.format):
-                print(f"not in the file: {loss}")
-            print(f"written: {path} ({writer_of(motion, path, self.format).name})")
+        motions = repair.motions
+        paths = save_people(motions, out, bodies, format=self.format)
+        lost = [line for motion in motions for line in losses(motion, out, self.format)]
+        for loss in dict.fromkeys(lost):
+            print(f"not in the file: {loss}")
+        for path in paths:
+            print(f"written: {path} ({writer_of(motions[0], path, self.format).name})")
 
     def _page(self, repair: Repair, bodies: list[Body], page: Path) -> None:
         """The clip as it came and put right, side by side, with the numbers."""

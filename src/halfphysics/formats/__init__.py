@@ -15,11 +15,9 @@ if TYPE_CHECKING:
         identify,
         load_motion,
         load_sequence,
-        losses,
-        save_motion,
         unknown,
-        writer_of,
     )
+    from halfphysics.formats.saving import losses, save_motion, save_people, writer_of
 
 __all__ = [
     "FORMATS",
@@ -31,12 +29,16 @@ __all__ = [
     "load_sequence",
     "losses",
     "save_motion",
+    "save_people",
     "unknown",
     "writer_of",
 ]
+
+_SAVING = {"losses", "save_motion", "save_people", "writer_of"}
 
 
 def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module(f"{__name__}.registry"), name)
+    module = "saving" if name in _SAVING else "registry"
+    return getattr(importlib.import_module(f"{__name__}.{module}"), name)

@@ -11,7 +11,7 @@ import os
 import re
 from collections.abc import Callable, Mapping
 from collections.abc import Sequence as Listing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 from weakref import WeakKeyDictionary
@@ -25,9 +25,10 @@ from halfphysics.body.body import Body
 from halfphysics.errors import FileError
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.datasets.subject import named_model
-from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.format import Format, Options, Source, alone, nothing
 from halfphysics.formats.motion_builder import USUAL_FPS, motion_of, same_length
 from halfphysics.formats.people import Track, filled
+from halfphysics.formats.written_people import Written, written
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.skeleton import JOINT_INDEX
 
@@ -83,6 +84,10 @@ def tracked(
     sniff: Callable[[Source], bool],
     people: Callable[[Source], dict[str, Seen]],
     read: Callable[[Seen, Options], Motion],
+    write: Callable[[Mapping[str, Written], Path], None] | None = None,
+    suffix: str = ".pkl",
+    up: Literal["y", "-y"] = "y",
+    loses: Callable[[Motion], tuple[str, ...]] = nothing,
 ) -> Format:
     """The format of an estimator's files.
 
@@ -90,6 +95,8 @@ def tracked(
         name, expects, about, invents, sniff: As of `Format`.
         people: The people of a file by name; looked for once per file.
         read: The motion of one of them.
+        write: Writes people by name; None: the format is read-only.
+        suffix, up, loses: Of the files written.
     """
     known = once(people)
 
@@ -101,7 +108,11 @@ def tracked(
         key = options.clip or next(iter(found), "")
         if key not in found:
             raise FileError(f"{source.path}: found nobody in it, expected at least one person")
-        return read(found[key], options)
+        return _named(read(found[key], options), key)
+
+    def save(motions: Listing[Motion], path: Path, bodies: Listing[Body | None]) -> None:
+        assert write is not None
+        write(written(motions, bodies, name), path)
 
     return Format(
         name=name,
@@ -111,7 +122,20 @@ def tracked(
         sniff=sniff,
         load=load,
         people=tracks,
+        save=None if write is None else alone(save),
+        save_people=None if write is None else save,
+        suffixes=(suffix,),
+        up=up,
+        loses=loses,
     )
+
+
+def _named(motion: Motion, track: str) -> Motion:
+    """The motion, whose file's data has the name of the person, for the writer."""
+    own = motion.origin
+    if own is None:
+        return motion
+    return replace(motion, origin=replace(own, fields={**own.fields, "track": track}))
 
 
 def grouped(ids: Array) -> dict[str, NDArray[np.intp]]:
@@ -191,6 +215,8 @@ def estimated(
     if frames is not None:
         translation, rotations = _without_gaps(where, frames, translation, rotations)
     translation, rotations = held(where, translation, rotations)
+    first = 0 if frames is None else int(np.min(np.asarray(frames)))
+    first += options.frames.indices(len(translation))[0]
     said = {**(RATE if fps is None and options.fps is None else {}), **invented}
     if hands is None and options.hands is None:
         said |= FINGERS
@@ -210,7 +236,7 @@ def estimated(
         gender=gender,
         betas=betas,
         hands="flat" if hands == "unsaid" else hands,
-        fields={**(fields or {}), "invented": said},
+        fields={**(fields or {}), "invented": said, "first": first},
     )
 
 
@@ -283,6 +309,12 @@ def from_hips(places: Array, root: Array, rest: Array) -> Array:
     """
     off = rest[_HIPS].mean(axis=0) - rest[0]
     return np.asarray(places - rot.rotate(rot.exp(root), off) - rest[0])
+
+
+def hips_of(translation: Array, root: Array, rest: Array) -> Array:
+    """The inverse of `from_hips`: the point (T, 3) [m] midway between the hip joints."""
+    off = rest[_HIPS].mean(axis=0) - rest[0]
+    return np.asarray(translation + rest[0] + rot.rotate(rot.exp(root), off))
 
 
 def by_camera(

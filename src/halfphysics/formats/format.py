@@ -148,8 +148,16 @@ class Options:
     unit: float = 1.0
 
 
-def _nothing(motion: Motion) -> tuple[str, ...]:
+def nothing(motion: Motion) -> tuple[str, ...]:
+    """`Format.loses` of a format that holds all of a motion."""
     return ()
+
+
+def alone(
+    save_people: Callable[[Listing[Motion], Path, Listing[Body | None]], None],
+) -> Callable[[Motion, Path, Body | None], None]:
+    """`Format.save` of a format whose files hold several people: a file with one."""
+    return lambda motion, path, body: save_people([motion], path, [body])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -180,6 +188,10 @@ class Format:
     scene: Callable[[Source, Options], Scene] | None = None
     #: Writes a motion in the axes of its file or of `up`; None: the format is read-only.
     save: Callable[[Motion, Path, Body | None], None] | None = None
+    #: Writes people who were read from one file into one; None: a file holds one person.
+    save_people: Callable[[Listing[Motion], Path, Listing[Body | None]], None] | None = None
+    #: Name of the format that is written instead of this one, which is read-only.
+    instead: str = ""
     #: Suffixes of the files written, the preferred one first.
     suffixes: tuple[str, ...] = (".npz",)
     #: The up axis of the files written; None: the file states its up axis.
@@ -187,4 +199,4 @@ class Format:
     #: Whether its files hold the joints of a body, so that `save` needs one.
     needs_body: bool = False
     #: The parts of a motion that a file of this format cannot hold, one line each.
-    loses: Callable[[Motion], tuple[str, ...]] = _nothing
+    loses: Callable[[Motion], tuple[str, ...]] = nothing

@@ -302,3 +302,15 @@ def lost_model(motion: Motion, model: str = "smplx") -> tuple[str, ...]:
     if motion.model == model:
         return ()
     return (f"the model {motion.model!r} that the shape is of: readers take {model!r}",)
+
+
+def lost_gender(motion: Motion) -> tuple[str, ...]:
+    """The line for `Format.loses` if readers take the neutral model."""
+    return () if motion.gender == "neutral" else (f"the gender {motion.gender!r}",)
+
+
+def lost_betas(motion: Motion, held: int) -> tuple[str, ...]:
+    """The line for `Format.loses` if the file has only so many betas."""
+    if motion.betas is None or not motion.betas[held:].any():
+        return ()
+    return (f"betas beyond the first {held}",)

@@ -2,34 +2,41 @@
 
 What most scripts dump: `global_orient`, `body_pose`, `transl` and what else there is, in any shape
 (`smplx_params`); one person, a dict of people, or a list with a dict for each frame. Such files say
-neither frame rate nor up axis: 30, and the axis along which the person stands.
+neither frame rate nor up axis: 30, and the axis along which the person stands. Files written here
+say both, as `fps` and `up`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from collections.abc import Sequence as Listing
-from typing import Any, Literal
+from pathlib import Path
+from typing import Any, Literal, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base import json_files, stored_objects, torch_file
 from halfphysics.base import rotations as rot
 from halfphysics.base.axes import AXES, axes_of
 from halfphysics.base.npz_objects import NpzObjects
+from halfphysics.body.body import Body
 from halfphysics.errors import FileError
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.estimates import FLOOR, estimated, once
-from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.format import Format, Options, Source, alone
 from halfphysics.formats.people import Track
 from halfphysics.formats.rotation_forms import numbers_of
 from halfphysics.formats.smplx_params import TRANSLATION, gender_of, is_params, parts_of, stacked
+from halfphysics.formats.written_people import Written, written
 from halfphysics.motion.motion import Motion
+from halfphysics.motion.smplx_names import PARTS
 
 Up = Literal["y", "z", "-y"]
 
 NAME = "smplx-params"
 _RATES = ("fps", "mocap_frame_rate", "mocap_framerate", "frame_rate", "framerate")
+_UP = "up"
 #: Name of the only person of a file.
 _ALONE = "person"
 #: The mean component of the trunk along an axis, above which the person stands along it.
@@ -100,7 +107,7 @@ def _load(source: Source, options: Options) -> Motion:
     record = Record(_where(source, name), people[name])
     parts = parts_of(record, options)
     key = next((key for key in _RATES if key in record), None)
-    up, told = _up(parts.rotations, options)
+    up, told = _up(record, parts.rotations, options)
     return estimated(
         record.where,
         options,
@@ -114,13 +121,18 @@ def _load(source: Source, options: Options) -> Motion:
         hands=parts.hands,
         fps=None if key is None else record.number(key, above=0.0),
         invented={**told, **FLOOR},
+        fields={} if name == _ALONE else {"track": name},
     )
 
 
-def _up(rotations: NDArray[np.float64], options: Options) -> tuple[Up, dict[str, str]]:
-    """The axis along which the trunk is on average, else y, and how it is told."""
+def _up(
+    record: Record, rotations: NDArray[np.float64], options: Options
+) -> tuple[Up, dict[str, str]]:
+    """The axis of the file, else that along which the trunk is on average, else y; how to tell."""
     if options.up is not None:
         return "y", {}
+    if _UP in record and (said := record.text(_UP)) in AXES:
+        return cast(Up, said), {}
     trunk = rot.to_matrix(rot.exp(rotations[:, 0]))[:, :, 1].mean(axis=0)
     along: dict[Up, float] = {
         up: float(axes_of(up)[2] @ trunk) for up in ("y", "z", "-y") if up in AXES
@@ -132,6 +144,49 @@ def _up(rotations: NDArray[np.float64], options: Options) -> tuple[Up, dict[str,
     return best, {"up": f"the up axis: {words}, as the person stands (up= says another)"}
 
 
+def _save(motions: Listing[Motion], path: Path, bodies: Listing[Body | None]) -> None:
+    known = [
+        m if _axis(m) is not None else m.rebased(body or Body.default(), "z")
+        for m, body in zip(motions, bodies, strict=True)
+    ]
+    people = written(known, bodies, NAME)
+    content: dict[str, Any] = {name: _fields(person) for name, person in people.items()}
+    if len(content) == 1:
+        content = next(iter(content.values()))
+    suffix = path.suffix.lower()
+    if suffix == ".pt":
+        torch_file.write(path, content)
+    elif suffix == ".json":
+        json_files.write(path, _listed(content))
+    else:
+        stored_objects.write(path, content)
+
+
+def _fields(person: Written) -> dict[str, Any]:
+    motion = person.motion
+    frames = len(motion)
+    fields: dict[str, Any] = {
+        part: person.rotations[:, list(joints)].reshape(frames, -1)
+        for part, joints in PARTS.items()
+    }
+    fields["transl"] = person.translation
+    fields["betas"] = np.zeros(10) if motion.betas is None else motion.betas
+    said = {"gender": motion.gender, "model": motion.model, "fps": motion.fps}
+    return {**fields, **said, _UP: _axis(motion)}
+
+
+def _axis(motion: Motion) -> str | None:
+    """The axis of the motion's file that is up; None: between them, as a floor of SLAHMR."""
+    return next((up for up in AXES if (axes_of(up) == motion.axes).all()), None)
+
+
+def _listed(value: Any) -> Any:
+    """Lists in place of arrays."""
+    if isinstance(value, Mapping):
+        return {key: _listed(own) for key, own in value.items()}
+    return value.tolist() if isinstance(value, np.ndarray) else value
+
+
 FORMAT = Format(
     name=NAME,
     about="the parameter names of the smplx package, as most scripts dump them",
@@ -140,4 +195,8 @@ FORMAT = Format(
     sniff=_sniff,
     load=_load,
     people=_tracks,
+    save=alone(_save),
+    save_people=_save,
+    suffixes=(".pkl", ".pt", ".json"),
+    up=None,
 )

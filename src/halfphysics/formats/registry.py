@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from collections.abc import Sequence as Listing
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from halfphysics.base.axes import axes_of
 from halfphysics.base.reader_warnings import one_warning, warn
 from halfphysics.base.suggestions import did_you_mean
-from halfphysics.base.validation import body as checked_body
-from halfphysics.base.validation import file_path, shown
+from halfphysics.base.validation import shown
 from halfphysics.errors import FileError, InputError
 from halfphysics.formats import blender, emage, hymotion, plain, smpl_codec
 from halfphysics.formats.amass import smpl as amass_smpl
@@ -67,7 +64,6 @@ from halfphysics.formats.video import (
 from halfphysics.motion.motion import Motion
 
 if TYPE_CHECKING:
-    from halfphysics.body.body import Body
     from halfphysics.simulation.sequence import Sequence
 
 __all__ = [
@@ -78,10 +74,7 @@ __all__ = [
     "identify",
     "load_motion",
     "load_sequence",
-    "losses",
-    "save_motion",
     "unknown",
-    "writer_of",
 ]
 
 #: Every motion format, tried in this order.
@@ -139,12 +132,6 @@ FORMATS: dict[str, Format] = {
 
 #: What binary files of FBX begin with.
 _FBX = b"Kaydara FBX Binary"
-#: Model -> format in which a motion without a file is written.
-_BY_MODEL = {
-    "smplx": amass_smplx.FORMAT.name,
-    "smplh": amass_smplh.FORMAT.name,
-    "smpl": amass_smpl.FORMAT.name,
-}
 
 
 def identify(source: Source) -> Format | None:
@@ -309,92 +296,6 @@ def adapted(sequence: Sequence, path: Path, *, grip: bool = True) -> Sequence:
     if told:
         warn(f"{path}: {'; '.join(told)}")
     return sequence
-
-
-def save_motion(
-    motion: Motion,
-    path: str | os.PathLike[str],
-    *,
-    format: str | None = None,
-    body: Body | None = None,
-) -> None:
-    """Implements `Motion.save`; see there."""
-    path = file_path(path)
-    if body is not None:
-        checked_body(body, "joint_frames")
-    writer = writer_of(motion, path, format)
-    save = _saving(writer)
-    own = motion.origin is not None and motion.origin.format == writer.name
-    if not own and writer.up is not None:
-        motion = _in_axes(motion, writer.name, writer.up, body)
-    save(motion, path, body)
-
-
-def losses(motion: Motion, path: str | os.PathLike[str], format: str | None = None) -> list[str]:
-    """The parts of a motion that the file of `save_motion` cannot hold, one line each."""
-    writer = writer_of(motion, file_path(path), format)
-    lost = list(writer.loses(motion))
-    metadata = motion.origin
-    template = None if metadata is None else metadata.fields.get("template")
-    if motion.holds:
-        lost.append("what the hands hold, and the motion as recorded (a result file keeps both)")
-    if template is not None and metadata is not None and metadata.format != writer.name:
-        lost.append(f"the subject's own shape: keep the template {template} beside it")
-    return lost
-
-
-def writer_of(motion: Motion, path: Path, format: str | None) -> Format:
-    """The format that `save_motion` writes.
-
-    Raises:
-        InputError: The format is unknown or read-only.
-    """
-    if format is not None and (not isinstance(format, str) or format not in FORMATS):
-        raise InputError(f"format: found {format!r}, expected one of {', '.join(FORMATS)}")
-    writer = _by_suffix(motion, path) if format is None else FORMATS[format]
-    _saving(writer)  # raises InputError for a read-only format
-    return writer
-
-
-def _saving(writer: Format) -> Callable[[Motion, Path, Body | None], None]:
-    """The function that writes files of a format; raises InputError if it is read-only."""
-    if writer.save is None:
-        writable = ", ".join(name for name, known in FORMATS.items() if known.save)
-        raise InputError(f"format: '{writer.name}' can only be read, expected one of {writable}")
-    return writer.save
-
-
-def _by_suffix(motion: Motion, path: Path) -> Format:
-    from halfphysics.writers import KINDS
-
-    own = FORMATS.get(motion.origin.format) if motion.origin is not None else None
-    suffix = path.suffix.lower()
-    if own is not None and own.save and (suffix in own.suffixes or not suffix):
-        return own
-    usual = FORMATS[_BY_MODEL[motion.model]]
-    if not suffix or suffix in usual.suffixes:
-        return usual
-    for known in FORMATS.values():
-        if known.save and suffix in known.suffixes:
-            return known
-    written = sorted({s for known in FORMATS.values() if known.save for s in known.suffixes})
-    raise InputError(
-        f"{path}: found suffix {path.suffix!r}, expected one of {', '.join(written)} (animated "
-        f"scenes, by halfphysics.export: {', '.join(KINDS)}), or name the format with format="
-    )
-
-
-def _in_axes(motion: Motion, format: str, up: str, body: Body | None) -> Motion:
-    """The motion with `translation` as the files of a format define it."""
-    if (motion.axes == axes_of(up)).all():
-        return motion
-    if body is None:
-        raise InputError(
-            f"format: '{format}' has {up} up and the motion came from a file with "
-            "another axis up: what its translation is there depends on the pelvis of the body at "
-            "rest. Say whose motion it is with body="
-        )
-    return motion.rebased(body, up)
 
 
 def _found(path: str | os.PathLike[str], options: Options) -> tuple[Source, Format, Options]:

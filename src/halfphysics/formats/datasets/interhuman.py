@@ -6,15 +6,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence as Listing
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
+from halfphysics.base.stored_objects import write
+from halfphysics.errors import InputError
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.datasets.median_shape import median_shape
-from halfphysics.formats.format import Format, Options, Source
-from halfphysics.formats.motion_builder import motion_of, rotations_of, same_length
+from halfphysics.formats.format import Format, Options, Source, alone
+from halfphysics.formats.motion_builder import (
+    lost_betas,
+    lost_joints,
+    lost_model,
+    motion_of,
+    rotations_of,
+    same_length,
+)
 from halfphysics.formats.people import Track
+from halfphysics.formats.written_people import written
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
 
 NAME = "interhuman"
 #: Of the data set, where a file has no `mocap_framerate`.
@@ -72,6 +89,28 @@ def _load(source: Source, options: Options) -> Motion:
     )
 
 
+def _save(motions: Listing[Motion], path: Path, bodies: Listing[Body | None]) -> None:
+    if len(motions) > len(PEOPLE):
+        raise InputError(f"format: '{NAME}' holds two people, found {len(motions)}")
+    people = written(motions, bodies, NAME).values()
+    content: dict[str, Any] = {"mocap_framerate": motions[0].fps, "frames": len(motions[0])}
+    for name, person in zip(PEOPLE, people, strict=False):
+        body = person.rotations[:, list(skeleton.BODY_JOINTS)]
+        content[name] = {
+            "trans": person.translation,
+            "root_orient": person.rotations[:, 0],
+            "pose_body": body.reshape(len(body), -1),
+            "betas": person.betas()[None],
+            "gender": person.motion.gender,
+        }
+    write(path, content)
+
+
+def _loses(motion: Motion) -> tuple[str, ...]:
+    held = (0, *skeleton.BODY_JOINTS)
+    return (*lost_joints(motion, held), *lost_model(motion, "smplh"), *lost_betas(motion, 10))
+
+
 FORMAT = Format(
     name=NAME,
     about="InterHuman (InterGen): two people",
@@ -81,4 +120,8 @@ FORMAT = Format(
     sniff=_sniff,
     load=_load,
     people=_people,
+    save=alone(_save),
+    save_people=_save,
+    suffixes=(".pkl",),
+    loses=_loses,
 )

@@ -40,6 +40,7 @@ from halfphysics.formats.datasets.shape_from_joints import (
 from halfphysics.formats.format import Format, Options, Source
 from halfphysics.formats.motion_builder import (
     file_parameters,
+    lost_gender,
     lost_joints,
     lost_rate,
     motion_of,
@@ -272,9 +273,7 @@ def _loses(motion: Motion) -> tuple[str, ...]:
     lost = list(lost_joints(motion, skeleton.SMPLH_JOINTS))
     if motion.betas is not None and motion.betas.any():
         lost.append("the shape (betas), but for the joints of it")
-    if motion.gender != "neutral":
-        lost.append(f"the gender {motion.gender!r}")
-    lost += lost_rate(motion, FPS)
+    lost += [*lost_gender(motion), *lost_rate(motion, FPS)]
     if motion.origin is None or _OBJECT_KEY not in motion.origin.per_frame:
         lost.append("an object: there is none, and its columns say that it lies at the origin")
     return tuple(lost)

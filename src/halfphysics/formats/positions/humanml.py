@@ -25,6 +25,7 @@ from halfphysics.base.npy import Npy
 from halfphysics.errors import FileError
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.positions import joint_array
 from halfphysics.formats.positions.bones import change, leg
 from halfphysics.formats.positions.layouts import in_order
 from halfphysics.formats.positions.posed import Found, as_motion, as_sequence
@@ -143,5 +144,6 @@ FORMAT = Format(
     load=_load,
     load_sequence=_load_sequence,
     clips=_clips,
+    instead=joint_array.NAME,
     up="y",
 )

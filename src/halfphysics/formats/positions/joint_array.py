@@ -8,13 +8,26 @@ person or clip axis names its clips "0", "1", ...; a folder of such files is a l
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
 from halfphysics.errors import FileError
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.format import Format, Options, Source
 from halfphysics.formats.positions.layouts import LAYOUTS
 from halfphysics.formats.positions.posed import Found, as_motion, as_sequence
+from halfphysics.formats.positions.written_joints import (
+    lost_without_twist,
+    places_of,
+    write_array,
+)
 from halfphysics.motion.motion import Motion
 from halfphysics.simulation.sequence import Sequence
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
 
 NAME = "joints"
 _FIELD = "array"
@@ -52,6 +65,10 @@ def _load_sequence(source: Source, options: Options) -> Sequence:
     return as_sequence(_found(source, options), options, NAME)
 
 
+def _save(motion: Motion, path: Path, body: Body | None) -> None:
+    write_array(path, places_of(motion, body, NAME).astype(np.float32))
+
+
 FORMAT = Format(
     name=NAME,
     about="joint positions, as HumanML3D, MoMask and other generators of motion write them",
@@ -61,5 +78,8 @@ FORMAT = Format(
     load=_load,
     load_sequence=_load_sequence,
     clips=_clips,
+    save=_save,
+    suffixes=(".npy",),
+    loses=lost_without_twist,
     up="y",
 )

@@ -9,18 +9,28 @@ and HumanAct12 write `motion` (N, 25, 6, T): see `mdm_smpl`.
 
 from __future__ import annotations
 
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.motion_builder import own_fields
 from halfphysics.formats.positions.layouts import LAYOUTS
 from halfphysics.formats.positions.mdm_smpl import turned_parts
 from halfphysics.formats.positions.posed import Found, as_motion, as_sequence
+from halfphysics.formats.positions.written_joints import (
+    lost_without_twist,
+    places_of,
+    write_array,
+)
 from halfphysics.motion.motion import Motion
 from halfphysics.scene.scene import Scene
 from halfphysics.simulation.sequence import Sequence
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
 
 NAME = "mdm"
 _KEYS = {"motion", "lengths"}
@@ -98,6 +108,14 @@ def _load_sequence(source: Source, options: Options) -> Sequence:
     return as_sequence(found, options, NAME)
 
 
+def _save(motion: Motion, path: Path, body: Body | None) -> None:
+    places = places_of(motion, body, NAME).astype(np.float32)
+    said = own_fields(motion) if motion.origin and motion.origin.format == NAME else {}
+    run = {"text": [said.get("text", "")], "num_samples": 1, "num_repetitions": 1}
+    moved = np.moveaxis(places, 0, -1)[None]
+    write_array(path, {"motion": moved, "lengths": np.array([len(motion)]), **run})
+
+
 FORMAT = Format(
     name=NAME,
     about="results.npy of MDM and what is built on it: all clips of a run",
@@ -107,5 +125,8 @@ FORMAT = Format(
     load=_load,
     load_sequence=_load_sequence,
     clips=_clips,
+    save=_save,
+    suffixes=(".npy",),
+    loses=lost_without_twist,
     up="y",
 )

@@ -12,6 +12,7 @@ default body is taken, so that its pelvis is where the file has it.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,8 +25,19 @@ from halfphysics.errors import FileError
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.datasets.subject import named_model
 from halfphysics.formats.format import Format, Options, Source
-from halfphysics.formats.motion_builder import motion_of, rotations_of, same_length
+from halfphysics.formats.motion_builder import (
+    lost_gender,
+    lost_joints,
+    lost_model,
+    lost_rate,
+    motion_of,
+    own_fields,
+    rotations_of,
+    same_length,
+)
 from halfphysics.formats.positions.layouts import FPS
+from halfphysics.formats.positions.written_joints import write_array
+from halfphysics.formats.written_people import written
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
 
@@ -116,6 +128,25 @@ def _load(source: Source, options: Options) -> Motion:
     )
 
 
+def _save(motion: Motion, path: Path, body: Body | None) -> None:
+    person = written([motion], [body], NAME)["0"]
+    matrices = rot.rotvec_to_matrix(person.smpl().reshape(len(motion), 24, 3))
+    rows = np.moveaxis(matrices[..., :2, :].reshape(len(motion), 24, 6), 0, -1)
+    pelvis = (person.translation + person.rest[0]).T
+    whole = np.zeros((25, 6, len(motion)))
+    whole[:24], whole[24, :3] = rows, pelvis
+    said = own_fields(motion).get("text", "") if motion.origin else ""
+    said = {"text": said, "length": len(motion)}
+    write_array(path, {"motion": whole, "thetas": rows, "root_translation": pelvis, **said})
+
+
+def _loses(motion: Motion) -> tuple[str, ...]:
+    lost = [*lost_joints(motion, skeleton.SMPL_JOINTS), *lost_model(motion, "smpl")]
+    if motion.betas is not None and motion.betas.any():
+        lost.append("the shape (betas)")
+    return (*lost, *lost_gender(motion), *lost_rate(motion, FPS))
+
+
 FORMAT = Format(
     name=NAME,
     about="SMPL parameters that MDM fits to its joints (sample##_rep##_smpl_params.npy)",
@@ -123,5 +154,8 @@ FORMAT = Format(
     invents="hands, frame rate (20), the pelvis of SMPL at rest without model=",
     sniff=_sniff,
     load=_load,
+    save=_save,
+    suffixes=(".npy",),
     up="y",
+    loses=_loses,
 )

@@ -6,14 +6,20 @@ A torch file of tensors with one row for each person in each frame: `id` (M,), `
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from pathlib import Path
+
 import numpy as np
 
+from halfphysics.base import torch_file
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.estimates import CAMERA, FLOOR, Seen, estimated, grouped, seen, tracked
 from halfphysics.formats.format import Options, Source
 from halfphysics.formats.mean_shape import mean_shape
 from halfphysics.formats.motion_builder import same_length
 from halfphysics.formats.video.smpl_pose import vectors_in
+from halfphysics.formats.written_people import Written, lost_in
+from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
 
 NAME = "comotion"
@@ -58,6 +64,19 @@ def _read(who: Seen, options: Options) -> Motion:
     )
 
 
+def _write(people: Mapping[str, Written], path: Path) -> None:
+    ids = [int(name) if name.isdecimal() else k for k, name in enumerate(people)]
+    rows = list(people.values())
+    content = {
+        "id": np.repeat(ids, [len(person.frames) for person in rows]),
+        "frame_idx": np.concatenate([person.frames for person in rows]),
+        "pose": np.concatenate([person.smpl() for person in rows]),
+        "trans": np.concatenate([person.translation for person in rows]),
+        "betas": np.concatenate([np.tile(p.betas(), (len(p.frames), 1)) for p in rows]),
+    }
+    torch_file.write(path, content)
+
+
 FORMAT = tracked(
     NAME,
     "pt with id, frame_idx (M,), pose (M, 72), trans (M, 3), betas (M, 10)",
@@ -66,4 +85,8 @@ FORMAT = tracked(
     sniff=_sniff,
     people=_people,
     read=_read,
+    write=_write,
+    suffix=".pt",
+    up="-y",
+    loses=lost_in(skeleton.SMPL_JOINTS, "smpl"),
 )

@@ -8,13 +8,23 @@ anywhere; the frame rate is the video's.
 
 from __future__ import annotations
 
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from halfphysics.base import torch_file
+from halfphysics.base.axes import axes_of
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.estimates import CAMERA, FLOOR, estimated, once, relaxed
 from halfphysics.formats.format import Format, Options, Source
 from halfphysics.formats.smplx_params import parts_of
+from halfphysics.formats.written_people import lost_in, written
+from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
 
 NAME = "gvhmr"
 _WORLD, _CAMERA = "smpl_params_global", "smpl_params_incam"
@@ -53,6 +63,20 @@ def _load(source: Source, options: Options) -> Motion:
     )
 
 
+def _save(motion: Motion, path: Path, body: Body | None) -> None:
+    person = next(iter(written([motion], [body], NAME).values()))
+    frames = len(motion)
+    # A file that had the camera's frame only comes back in it.
+    key = _CAMERA if (motion.axes == axes_of("-y")).all() else _WORLD
+    fields = {
+        "body_pose": person.rotations[:, list(skeleton.BODY_JOINTS)].reshape(frames, -1),
+        "betas": np.tile(person.betas(), (frames, 1)),
+        "global_orient": person.rotations[:, 0],
+        "transl": person.translation,
+    }
+    torch_file.write(path, {key: fields})
+
+
 FORMAT = Format(
     name=NAME,
     about="GVHMR: a person of a video",
@@ -60,4 +84,8 @@ FORMAT = Format(
     expects="pt with smpl_params_global: body_pose (T, 63), global_orient, transl, betas",
     sniff=_sniff,
     load=_load,
+    save=_save,
+    suffixes=(".pt",),
+    up="y",
+    loses=lost_in((0, *skeleton.BODY_JOINTS), "smplx"),
 )

@@ -9,11 +9,14 @@ video's.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from halfphysics.base import rotations as rot
+from halfphysics.base import stored_objects
+from halfphysics.base.axes import axes_of
 from halfphysics.errors import FileError
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.estimates import CAMERA, FLOOR, Seen, estimated, seen, tracked
@@ -21,6 +24,7 @@ from halfphysics.formats.format import Options, Source
 from halfphysics.formats.mean_shape import mean_shape
 from halfphysics.formats.motion_builder import rotations_of
 from halfphysics.formats.rotation_forms import checked_matrices
+from halfphysics.formats.written_people import Written, lost_in
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.skeleton import N_JOINTS
 
@@ -77,6 +81,23 @@ def _read(who: Seen, options: Options) -> Motion:
     )
 
 
+def _write(people: Mapping[str, Written], path: Path) -> None:
+    content = {}
+    for k, (name, person) in enumerate(people.items()):
+        number = int(name) if name.isdecimal() else k + 1
+        common = {"shape": np.tile(person.betas(), (len(person.frames), 1))}
+        common["trans"] = person.translation
+        own: dict[str, Any] = {"frames": person.frames, "track_id": number}
+        # A file that had the camera's frame only comes back in it.
+        if (person.motion.axes == axes_of("-y")).all():
+            own[_CAMERA] = {"rotmat": rot.rotvec_to_matrix(person.rotations), **common}
+        else:
+            rows = person.rotations.reshape(len(person.frames), -1)
+            own[_WORLD] = {"pose": rows, **common}
+        content[number] = own
+    stored_objects.write(path, {_PEOPLE: content})
+
+
 FORMAT = tracked(
     NAME,
     "pkl with people: frames (N,), smplx_world with pose (N, 165), shape, trans",
@@ -85,4 +106,6 @@ FORMAT = tracked(
     sniff=_sniff,
     people=_people,
     read=_read,
+    write=_write,
+    loses=lost_in(_ALL, "smplx"),
 )

@@ -9,9 +9,11 @@ few centimetres in the frame of the pelvis. The floor is anywhere; the frame rat
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 
+from halfphysics.base import stored_objects
 from halfphysics.formats.estimates import (
     FLOOR,
     HIPS,
@@ -19,6 +21,7 @@ from halfphysics.formats.estimates import (
     Seen,
     estimated,
     from_hips,
+    hips_of,
     rest_joints,
     seen,
     tracked,
@@ -27,6 +30,8 @@ from halfphysics.formats.format import Options, Source
 from halfphysics.formats.mean_shape import mean_shape
 from halfphysics.formats.motion_builder import same_length
 from halfphysics.formats.video.smpl_pose import vectors_in
+from halfphysics.formats.written_people import Written, lost_in
+from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
 
 NAME = "wham"
@@ -71,6 +76,19 @@ def _read(who: Seen, options: Options) -> Motion:
     )
 
 
+def _write(people: Mapping[str, Written], path: Path) -> None:
+    content = {
+        int(name) if name.isdecimal() else name: {
+            "pose_world": person.smpl(),
+            "trans_world": hips_of(person.translation, person.rotations[:, 0], person.rest),
+            "betas": np.tile(person.betas(), (len(person.frames), 1)),
+            "frame_ids": person.frames,
+        }
+        for name, person in people.items()
+    }
+    stored_objects.write(path, content)
+
+
 FORMAT = tracked(
     NAME,
     "pkl of tracks with pose_world (T, 72), trans_world (T, 3), betas (T, 10), frame_ids (T,)",
@@ -79,4 +97,6 @@ FORMAT = tracked(
     sniff=_sniff,
     people=_people,
     read=_read,
+    write=_write,
+    loses=lost_in(skeleton.SMPL_JOINTS, "smpl"),
 )

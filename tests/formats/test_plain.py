@@ -162,6 +162,18 @@ def test_one_frame_is_held(tmp_path):
     assert np.abs(hp.Body.default().vertices(motion) - truth()[0]).max() < ROUNDING
 
 
+def test_what_is_said_beside_a_person(tmp_path):
+    """As sign-language and video services write it: one rate for all, the parameters in a dict."""
+    own = {key: np.asarray(value).tolist() for key, value in fields().items()}
+    content = {"format": "smplx-v1", "fps": 25, "gender": "female", "smplx": own}
+    (tmp_path / "a.json").write_text(json.dumps(content))
+    motion = quiet(tmp_path / "a.json").motion
+    assert (motion.fps, motion.gender) == (25.0, "female")
+    content["smplx"] = {**own, "fps": 50}
+    (tmp_path / "b.json").write_text(json.dumps(content))
+    assert quiet(tmp_path / "b.json").motion.fps == 50.0  # the person's own counts
+
+
 def test_a_list_of_frames_and_a_dict_of_people(tmp_path):
     rows = [{key: value[n] for key, value in fields().items()} for n in range(FRAMES)]
     (tmp_path / "a.pkl").write_bytes(pickle.dumps(rows))

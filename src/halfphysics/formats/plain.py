@@ -37,6 +37,8 @@ Up = Literal["y", "z", "-y"]
 NAME = "smplx-params"
 _RATES = ("fps", "mocap_frame_rate", "mocap_framerate", "frame_rate", "framerate")
 _UP = "up"
+#: What may be said beside people, once for all of them.
+_COMMON = (*_RATES, _UP, "gender", "model", "model_type", "surface_model_type")
 #: Name of the only person of a file.
 _ALONE = "person"
 #: The mean component of the trunk along an axis, above which the person stands along it.
@@ -70,7 +72,9 @@ def _found(content: Any) -> dict[str, Mapping[str, Any]]:
         return {_ALONE: stacked(content)}
     if not isinstance(content, Mapping):
         return {}
-    return {str(key): content[key] for key in list(content) if is_params(_entry(content, key))}
+    people = {str(key): content[key] for key in list(content) if is_params(_entry(content, key))}
+    common = {key: content[key] for key in _COMMON if people and key in content}
+    return {name: {**common, **fields} for name, fields in people.items()}
 
 
 def _entry(content: Mapping[str, Any], key: str) -> Any:

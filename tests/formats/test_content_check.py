@@ -44,8 +44,8 @@ NOT_SAID = "not in the file, and taken as"
 #: Rotations are told by how joints bend; of positions a mirror image is told by the toes
 #: (tests/formats/positions).
 TURNING = [name for name in WRITERS if name not in ("joints", "mdm")]
-#: Formats that find the axis up by themselves, without this check.
-BY_THEMSELVES = ("bvh",)
+#: Formats that find the axis up by themselves, without this check: SLAHMR's floor has a direction.
+BY_THEMSELVES = ("bvh", "slahmr")
 
 
 def read(path, name="", **options) -> tuple[hp.Motion, list[str]]:

@@ -50,8 +50,7 @@ def test_a_motion_of_a_file_goes_back_as_it_came(tmp_path):
     read = hp.Motion.load(files.gvhmr(tmp_path / "hmr4d_results.pt", who))
     assert writer_of(read, tmp_path / "a.pt", None).name == "gvhmr"
     assert writer_of(read, tmp_path / "a.npz", None).name == "amass-smplx"
-    phalp = files.joblib_file(tmp_path / "demo.pkl", files.phalp_data(two(22)))
-    read = hp.Motion.load(phalp, clip="3")  # its files are read only
+    read = hp.Motion.load(files.smplerx(tmp_path / "clip", [who]))  # its folders are read only
     assert writer_of(read, tmp_path / "a.pkl", None).name == "smplx-params"
 
 
@@ -126,8 +125,8 @@ def test_three_people_do_not_fit_a_file_of_two(motion, tmp_path):
 
 
 def test_read_only_formats_are_named(motion, tmp_path):
-    with pytest.raises(InputError, match="'phalp' can only be read, expected one of"):
-        writer_of(motion, tmp_path / "a.pkl", "phalp")
+    with pytest.raises(InputError, match="'smplerx' can only be read, expected one of"):
+        writer_of(motion, tmp_path / "a.pkl", "smplerx")
     with pytest.raises(InputError, match=r"found suffix '\.txt'"):
         writer_of(motion, tmp_path / "a.txt", None)
 

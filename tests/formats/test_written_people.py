@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import base64
+import io
+import json
 import pickle
 import warnings
 
@@ -95,6 +98,84 @@ def test_gvhmr_in_the_world_and_before_a_camera(tmp_path):
         for name, values in asked[key].items():
             if name != "betas":
                 same(found[key][name], values)
+
+
+def test_phalp(tmp_path):
+    people = two(22)
+    source = files.joblib_file(tmp_path / "demo.pkl", files.phalp_data(people))
+    found, asked = written(source, tmp_path, ["3", "8"]), files.phalp_data(people)
+    assert [frame["time"] for frame in found.values()] == list(range(14))
+    for own, theirs in zip(found.values(), asked.values(), strict=True):
+        for k, number in enumerate(theirs["tid"]):  # people in gaps are in the file, too
+            row = own["tid"].index(number)
+            same(own["camera"][row], theirs["camera"][k])
+            for key in ("global_orient", "body_pose"):
+                assert own["smpl"][row][key].shape == theirs["smpl"][k][key].shape
+                same(own["smpl"][row][key], theirs["smpl"][k][key])
+
+
+def test_romp(tmp_path):
+    people = two(22)
+    asked = files.romp_video(people)
+    source = files.objects(tmp_path / "video_results.npz", asked)
+    motions = [hp.Motion.load(source, clip=clip) for clip in ("3", "8")]
+    (path,) = save_people(motions, tmp_path / "out.npz", [None, None])
+    with np.load(path, allow_pickle=True) as stored:  # the test's own file
+        found = {key: stored[key][()] for key in stored.files}
+    for number, theirs in asked["sequence_results"].items():
+        own = found["sequence_results"][number]
+        rows = [own["frame_id"].index(frame) for frame in theirs["frame_id"]]
+        for key in ("smpl_thetas", "cam_trans"):
+            same(np.stack(own[key]), np.stack(theirs[key]), rows)
+    names = sorted(found["results"])
+    assert names[0] == "00000002.png"
+    assert found["results"]["00000007.png"]["smpl_thetas"].shape == (2, 72)
+    again = save_people(motions, tmp_path / "again.npz", [None, None])[0]
+    assert again.read_bytes() == path.read_bytes()
+
+
+def test_slahmr(tmp_path):
+    """Places are over another origin, as the plane says: the people and their floor agree."""
+    people = [files.person(name, np.arange(14), seed, 22) for seed, name in enumerate("12", 1)]
+    asked = files.slahmr_data(people)
+    np.savez(tmp_path / "a_world_results.npz", **asked)
+    motions = [hp.Motion.load(tmp_path / "a_world_results.npz", clip=clip) for clip in ("0", "1")]
+    (path,) = save_people(motions, tmp_path / "out.npz", [None, None])
+    with np.load(path) as stored:
+        found = dict(stored)
+    for key in ("root_orient", "pose_body", "betas"):
+        same(found[key], asked[key])
+    given, made = asked["floor_plane"][0], found["floor_plane"][0]
+    normal = given / np.linalg.norm(given) * np.sign(-given[1])
+    same(made / np.linalg.norm(made), normal)
+    over = [
+        np.einsum("btj,j->bt", fields["trans"], normal) - plane @ normal
+        for fields, plane in ((found, made), (asked, given))
+    ]
+    same(over[0], over[1])
+    short = motions[1][:5]
+    with pytest.raises(hp.errors.InputError, match="as many frames for everybody"):
+        save_people([motions[0], short], tmp_path / "b.npz", [None, None])
+    assert not (tmp_path / "b.npz").exists()
+
+
+def test_mcs(tmp_path):
+    people = [files.person(name, np.arange(14)[k:], k + 1, 22) for k, name in enumerate("12")]
+    source = files.mcs(tmp_path / "world4d.mcs", people)
+    motions = [hp.Motion.load(source, clip=clip) for clip in ("1", "2")]
+    (path,) = save_people(motions, tmp_path / "out.mcs", [None, None])
+    document = json.loads(path.read_text())
+    scene = document["scenes"][0]["extensions"]["MC_scene_description"]
+    assert scene["num_frames"] == 14
+    assert [own["frame_presence"] for own in scene["smpl_bodies"]] == [[0, 14], [1, 14]]
+    for who, own in zip(people, scene["smpl_bodies"], strict=True):
+        view = document["bufferViews"][own["bufferView"]]
+        data = base64.b64decode(document["buffers"][view["buffer"]]["uri"].partition("base64,")[2])
+        assert len(data) == view["byteLength"]
+        with np.load(io.BytesIO(data)) as stored:
+            same(stored["bodyTranslation"], who.translation)
+            same(stored["bodyPose"], who.rotations[:, :22])
+            assert stored["frameRate"] == 25.0
 
 
 def test_frames_that_were_cut_keep_their_numbers(tmp_path):

@@ -175,7 +175,13 @@ def write_npz(path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]]) 
     Raises:
         FileError: The folder is missing or cannot be written; nothing is left behind.
     """
-    with atomic_write(path) as handle, zipfile.ZipFile(handle, "w") as archive:
+    with atomic_write(path) as handle:
+        pack_npz(handle, arrays)
+
+
+def pack_npz(handle: IO[bytes], arrays: Mapping[str, NDArray[Any]]) -> None:
+    """`write_npz` into an open file."""
+    with zipfile.ZipFile(handle, "w") as archive:
         for key, array in arrays.items():
             info = _entry(key)
             with archive.open(info, "w", force_zip64=True) as stream:

@@ -7,12 +7,14 @@ leftHandPose, rightHandPose (T, 15, 3), expressionParameters`.
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from halfphysics.base.npz import Npz, write_npz
+from halfphysics.base.npz import Npz, pack_npz, write_npz
 from halfphysics.errors import FileError
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.format import Format, Options, Source
@@ -100,7 +102,18 @@ def motion_in(where: str, npz: Npz, options: Options) -> Motion:
 
 
 def _save(motion: Motion, path: Path, body: Body | None) -> None:
-    translation, rotations, said = file_parameters(motion, NAME)
+    write_npz(path, _arrays(motion, NAME))
+
+
+def content_of(motion: Motion, format: str) -> bytes:
+    """The bytes of such a file, for a file of another format that has it inside."""
+    stream = io.BytesIO()
+    pack_npz(stream, _arrays(motion, format))
+    return stream.getvalue()
+
+
+def _arrays(motion: Motion, format: str) -> dict[str, NDArray[Any]]:
+    translation, rotations, said = file_parameters(motion, format)
     fields = {
         "codecVersion": np.array(int(said.get("codec", CODEC))),
         "smplVersion": np.array(SMPLX),
@@ -116,7 +129,7 @@ def _save(motion: Motion, path: Path, body: Body | None) -> None:
         fields[_EXPRESSION] = motion.origin.per_frame[_EXPRESSION]
     # The format has these two types only, for readers in any language.
     types = {"f": np.float32, "i": np.int32}
-    write_npz(path, {key: value.astype(types[value.dtype.kind]) for key, value in fields.items()})
+    return {key: value.astype(types[value.dtype.kind]) for key, value in fields.items()}
 
 
 FORMAT = Format(

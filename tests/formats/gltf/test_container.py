@@ -95,10 +95,10 @@ def test_text_that_is_wrong_deep_or_long(tmp_path):
     with path.open("wb") as handle:  # a file of 1 GiB that takes no room on the disk
         handle.write(b"{")
         handle.truncate(2**30)
-    start = time.perf_counter()
+    start = time.process_time()
     with pytest.raises(FileError, match=r"1024 MiB of text, expected at most 128\. Export it as"):
         Container(path)
-    assert time.perf_counter() - start < 1.0
+    assert time.process_time() - start < 1.0
 
 
 def test_binary_headers_that_lie(tmp_path):

@@ -9,21 +9,28 @@ from __future__ import annotations
 
 import base64
 import binascii
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from halfphysics.base import json_files
 from halfphysics.base.npz import Npz
 from halfphysics.errors import FileError
 from halfphysics.formats import smpl_codec
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.estimates import Seen, seen, tracked
 from halfphysics.formats.format import Options, Source
+from halfphysics.formats.motion_builder import lost_model
+from halfphysics.formats.written_people import Written
 from halfphysics.motion.motion import Motion
 
 NAME = "mcs"
 _EXTENSION, _BODIES = "MC_scene_description", "smpl_bodies"
 _DATA = "base64,"
+_URI = f"data:application/octet-stream;{_DATA}"
 
 
 def _scene(source: Source) -> dict[str, Any] | None:
@@ -94,7 +101,42 @@ def _read(who: Seen, options: Options) -> Motion:
     npz = who.record.fields
     if not isinstance(npz, Npz):
         raise FileError(f"{who.record.where}: not a file of the SMPL codec")
-    return smpl_codec.motion_in(who.record.where, npz, options)
+    first = int(np.min(np.asarray(who.frames)))
+    first += options.frames.indices(len(np.asarray(who.frames)))[0]
+    motion = smpl_codec.motion_in(who.record.where, npz, options)
+    if motion.origin is None:
+        return motion
+    fields = {**motion.origin.fields, "first": first}
+    return replace(motion, origin=replace(motion.origin, format=NAME, fields=fields))
+
+
+def _write(people: Mapping[str, Written], path: Path) -> None:
+    """People in the scene of a camera that stands still."""
+    bodies: list[dict[str, Any]] = []
+    buffers: list[dict[str, Any]] = []
+    for number, person in enumerate(people.values()):
+        data = smpl_codec.content_of(person.motion, NAME)
+        text = base64.b64encode(data).decode()
+        buffers.append({"byteLength": len(data), "uri": f"{_URI}{text}"})
+        presence = [int(person.frames[0]), int(person.frames[-1]) + 1]
+        bodies.append({"frame_presence": presence, "bufferView": number})
+    views = [
+        {"buffer": number, "byteOffset": 0, "byteLength": buffer["byteLength"]}
+        for number, buffer in enumerate(buffers)
+    ]
+    scene = {"num_frames": max(own["frame_presence"][1] for own in bodies), _BODIES: bodies}
+    camera = {"yfov": 0.8, "znear": 0.01}
+    document = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0], "extensions": {_EXTENSION: scene}}],
+        "nodes": [{"name": "RootNode", "children": [1]}, {"name": "AnimatedCamera", "camera": 0}],
+        "cameras": [{"type": "perspective", "perspective": camera}],
+        "bufferViews": views,
+        "buffers": buffers,
+        "extensionsUsed": [_EXTENSION],
+    }
+    json_files.write(path, document)
 
 
 FORMAT = tracked(
@@ -105,4 +147,7 @@ FORMAT = tracked(
     sniff=_sniff,
     people=_people,
     read=_read,
+    write=_write,
+    suffix=".mcs",
+    loses=lost_model,
 )

@@ -8,15 +8,20 @@ from the camera is as good as its focal length was guessed. The frame rate is th
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from halfphysics.base import rotations as rot
+from halfphysics.base import stored_objects
 from halfphysics.errors import FileError
 from halfphysics.formats.estimates import CAMERA, FLOOR, Seen, estimated, seen, tracked
 from halfphysics.formats.format import Options, Source
 from halfphysics.formats.mean_shape import mean_shape
-from halfphysics.formats.video.smpl_pose import matrices_in
+from halfphysics.formats.video.smpl_pose import JOINTS, matrices_in
+from halfphysics.formats.written_people import Written, lost_in
+from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
 
 NAME = "phalp"
@@ -95,6 +100,27 @@ def _read(who: Seen, options: Options) -> Motion:
     )
 
 
+def _write(people: Mapping[str, Written], path: Path) -> None:
+    turns = {
+        name: rot.rotvec_to_matrix(person.smpl().reshape(len(person.frames), JOINTS, 3))
+        for name, person in people.items()
+    }
+    last = max(int(person.frames[-1]) for person in people.values())
+    content: dict[str, dict[str, Any]] = {
+        f"img/{number:06d}.jpg": {"time": number, "tid": [], "smpl": [], "camera": []}
+        for number in range(last + 1)
+    }
+    for k, (name, person) in enumerate(people.items()):
+        for row, number in enumerate(person.frames):
+            frame = content[f"img/{number:06d}.jpg"]
+            frame["tid"].append(int(name) if name.isdecimal() else k)
+            frame["camera"].append(person.translation[row])
+            own = turns[name][row]
+            pose = {"global_orient": own[:1], "body_pose": own[1:], "betas": person.betas()}
+            frame["smpl"].append(pose)
+    stored_objects.write(path, content)
+
+
 FORMAT = tracked(
     NAME,
     "pkl of frames with tid, camera and smpl: body_pose (23, 3, 3), global_orient, betas",
@@ -103,4 +129,7 @@ FORMAT = tracked(
     sniff=_sniff,
     people=_people,
     read=_read,
+    write=_write,
+    up="-y",
+    loses=lost_in(skeleton.SMPL_JOINTS, "smpl"),
 )

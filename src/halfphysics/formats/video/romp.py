@@ -13,10 +13,13 @@ taken. BEV's 11th beta is the share of a child's body, which is left out. Frames
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from halfphysics.base.atomic import atomic_write
 from halfphysics.base.npz_objects import NpzObjects
 from halfphysics.base.reader_warnings import warn
 from halfphysics.errors import FileError
@@ -30,6 +33,7 @@ from halfphysics.formats.estimates import (
     estimated,
     from_hips,
     grouped,
+    hips_of,
     once,
     rest_joints,
     seen,
@@ -39,6 +43,8 @@ from halfphysics.formats.format import Options, Source
 from halfphysics.formats.mean_shape import mean_shape
 from halfphysics.formats.motion_builder import same_length
 from halfphysics.formats.video.smpl_pose import vectors_in
+from halfphysics.formats.written_people import Written, lost_in
+from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
 
 NAME = "romp"
@@ -173,6 +179,27 @@ def _read(who: Seen, options: Options) -> Motion:
     )
 
 
+def _write(people: Mapping[str, Written], path: Path) -> None:
+    """As `video_results.npz`, in one frame for all of a video."""
+    tracks: dict[int, dict[str, list[Any]]] = {}
+    results: dict[str, dict[str, NDArray[np.float64]]] = {}
+    for k, (name, person) in enumerate(people.items()):
+        places = hips_of(person.translation, person.rotations[:, 0], person.rest)
+        betas = np.tile(person.betas(_BETAS), (len(places), 1))
+        rows = {_POSE: person.smpl(), _SHAPE: betas, _PLACE: places}
+        track = {"frame_id": person.frames.tolist(), **{key: list(rows[key]) for key in rows}}
+        tracks[int(name) if name.isdecimal() else k] = track
+        for row, number in enumerate(person.frames):
+            frame = results.setdefault(f"{number:08d}.png", {})
+            for key, values in rows.items():
+                before = frame.get(key, np.zeros((0, values.shape[1])))
+                frame[key] = np.concatenate([before, values[row : row + 1]])
+    content = {_RESULTS: results, _SEQUENCES: tracks}
+    fields: dict[str, Any] = {key: np.array(own, dtype=object) for key, own in content.items()}
+    with atomic_write(path) as handle:
+        np.savez(handle, **fields)
+
+
 FORMAT = tracked(
     NAME,
     "npz with results or outputs: smpl_thetas (N, 72), smpl_betas, cam_trans (N, 3)",
@@ -181,4 +208,8 @@ FORMAT = tracked(
     sniff=_sniff,
     people=_people,
     read=_read,
+    write=_write,
+    suffix=".npz",
+    up="-y",
+    loses=lost_in(skeleton.SMPL_JOINTS, "smpl"),
 )

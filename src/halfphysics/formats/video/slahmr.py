@@ -10,6 +10,7 @@ seen; what is before and after that is invented and left out. 30 fps.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -19,12 +20,21 @@ from numpy.typing import NDArray
 from halfphysics.base import foreign_json
 from halfphysics.base import rotations as rot
 from halfphysics.base.axes import axes_of, turned
-from halfphysics.errors import FileError
+from halfphysics.base.npz import write_npz
+from halfphysics.errors import FileError, InputError
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.estimates import CAMERA, FLOOR, FPS, Seen, estimated, tracked
 from halfphysics.formats.format import Options, Source
 from halfphysics.formats.mean_shape import mean_shape
-from halfphysics.formats.motion_builder import rotations_of
+from halfphysics.formats.motion_builder import (
+    lost_betas,
+    lost_gender,
+    lost_joints,
+    lost_model,
+    lost_rate,
+    rotations_of,
+)
+from halfphysics.formats.written_people import Written
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
 
@@ -32,6 +42,9 @@ Array = NDArray[np.float64]
 
 NAME = "slahmr"
 _PLANE, _INFO = "floor_plane", "track_info.json"
+_BETAS = 16
+#: Height of the file's origin over the floor [m], written: a plane through it has no normal.
+_HEIGHT = 1.0
 #: Folders above the file that may have the file with the tracks.
 _ABOVE = 3
 #: The mean component of the trunk along the floor's normal, below which the normal is turned over.
@@ -147,6 +160,30 @@ def _on_floor(motion: Motion, plane: Array) -> Motion:
     )
 
 
+def _write(people: Mapping[str, Written], path: Path) -> None:
+    rows = list(people.values())
+    frames = {len(person.frames) for person in rows}
+    if len(frames) > 1:
+        raise InputError(f"format: '{NAME}' has as many frames for everybody, found {frames}")
+    # The floor of these people, z = 0, in the axes of the file; its normal points up.
+    normal = rows[0].motion.axes.T @ [0.0, 0.0, 1.0]
+    count = len(rows[0].frames)
+    body = [person.rotations[:, list(skeleton.BODY_JOINTS)] for person in rows]
+    fields = {
+        "trans": np.stack([person.translation + _HEIGHT * normal for person in rows]),
+        "root_orient": np.stack([person.rotations[:, 0] for person in rows]),
+        "pose_body": np.stack([turns.reshape(count, -1) for turns in body]),
+        "betas": np.stack([person.betas(_BETAS) for person in rows]),
+        _PLANE: (_HEIGHT * normal)[None],
+    }
+    write_npz(path, {key: value.astype(np.float32) for key, value in fields.items()})
+
+
+def _loses(motion: Motion) -> tuple[str, ...]:
+    lines = [*lost_joints(motion, (0, *skeleton.BODY_JOINTS)), *lost_model(motion, "smplh")]
+    return (*lines, *lost_gender(motion), *lost_betas(motion, _BETAS), *lost_rate(motion, FPS))
+
+
 FORMAT = tracked(
     NAME,
     "npz with trans, root_orient (B, T, 3), pose_body (B, T, 63), betas (B, 16), floor_plane",
@@ -155,4 +192,8 @@ FORMAT = tracked(
     sniff=_sniff,
     people=_people,
     read=_read,
+    write=_write,
+    suffix=".npz",
+    up="-y",
+    loses=_loses,
 )

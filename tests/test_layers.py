@@ -39,6 +39,7 @@ LAYERS = {
         "errors base motion geometry body settings scene results adaptation simulation baselines "
         "__version__"
     ),
+    "judging": "errors base motion body scene results metrics formats",
     "render": "errors base motion geometry body scene results _render",
     "writers": "errors base motion geometry body scene results simulation render __version__",
     "labels": "errors base motion geometry body scene results metrics _native",
@@ -58,7 +59,7 @@ LAYERS = {
     ),
     "cli": (
         "errors base motion body settings scene results simulation metrics baselines repair "
-        "formats render writers scenarios viewer sweep bench __version__"
+        "formats judging render writers scenarios viewer sweep bench __version__"
     ),
 }
 

@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from halfphysics import baselines, errors, metrics, scenarios, support
     from halfphysics.adaptation.adapt import adapt
     from halfphysics.body.body import Body
-    from halfphysics.cli.judging import judge
     from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning
     from halfphysics.formats import load_sequence
     from halfphysics.formats.library import clips
     from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
+    from halfphysics.judging.judge import judge
     from halfphysics.motion.motion import Motion
     from halfphysics.motion.pose import Pose
     from halfphysics.motion.skeleton import JOINT_NAMES
@@ -103,7 +103,7 @@ _FROM: dict[str, str | None] = {
     "clips": "formats.library",
     "export": "writers",
     "fix": "repair.repair",
-    "judge": "cli.judging",
+    "judge": "judging.judge",
     "load_sequence": "formats.registry",
     "simulate": "simulation.simulate",
     "simulate_many": "simulation.simulate_many",

@@ -6,7 +6,7 @@ import re
 from html.parser import HTMLParser
 
 from halfphysics.cli.judge_page import BARS, page
-from halfphysics.cli.judging import Judged
+from halfphysics.judging.judge import Judged
 from halfphysics.metrics.verdict import Verdict
 
 

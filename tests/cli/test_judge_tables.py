@@ -8,7 +8,7 @@ import json
 import pytest
 
 from halfphysics.cli.judge_tables import COLUMNS, csv_text, json_text, shown_names, text
-from halfphysics.cli.judging import Judged
+from halfphysics.judging.judge import Judged
 from halfphysics.metrics.measures import MEASURES
 from halfphysics.metrics.verdict import Verdict
 

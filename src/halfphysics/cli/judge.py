@@ -20,7 +20,10 @@ from halfphysics.cli.options import (
 from halfphysics.errors import HalfPhysicsWarning, InputError
 
 if TYPE_CHECKING:
-    from halfphysics.cli.judging import Judged
+    from halfphysics.body.body import Body
+    from halfphysics.judging.judge import Judged
+    from halfphysics.motion.motion import Motion
+    from halfphysics.scene.scene import Scene
 
 EXAMPLES = """\
 halfphysics judge walk.npz run.bvh result.npz
@@ -29,6 +32,23 @@ halfphysics judge estimates/ --truth mocap/ --scene room.yaml --json measures.js
 
 # Most warnings of readers that are printed one by one.
 _WARNINGS = 10
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """How the command line reads clips: a `halfphysics.judging.reading.Reading`."""
+
+    around: SceneOptions = field(default_factory=SceneOptions)
+    person: BodyOptions = field(default_factory=BodyOptions)
+    motion_file: MotionOptions = field(default_factory=MotionOptions)
+
+    def body(self, own: Body | None, motion: Motion) -> Body:
+        """The body of the options, else the motion's own."""
+        return self.person.instead_of(own, motion)
+
+    def scene(self) -> Scene | None:
+        """The scene of the options; None: there are none."""
+        return self.around.load() if self.around.given else None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,15 +81,16 @@ class Command:
         """Judge the clips, print the table, write the files."""
         from halfphysics.base.machine import cores
         from halfphysics.cli.judge_tables import brief, text
-        from halfphysics.cli.judging import Options, judged, tasks_of
+        from halfphysics.judging.judge import judged
+        from halfphysics.judging.tasks import tasks_of
 
         self._check()
-        options = Options(scene=self.scene, person=self.person, motion_file=self.motion_file)
+        reading = Options(around=self.scene, person=self.person, motion_file=self.motion_file)
         if self.scene.given:
             self.scene.load()  # a mistake in it is one message, not one for each clip
         tasks = tasks_of(self.files, self.truth)
         jobs = cores() if self.jobs is None else self.jobs
-        people = judged(tasks, options, jobs, bar=progress())
+        people = judged(tasks, reading, jobs, bar=progress())
         self._warn(people)
         self._write(people)
         if all(one.verdict is None for one in people):

@@ -8,7 +8,7 @@ from dataclasses import replace
 from statistics import fmean, median
 
 from halfphysics.cli.judge_tables import digits, shown_names, taken, values_of, worst_of
-from halfphysics.cli.judging import Judged
+from halfphysics.judging.judge import Judged
 from halfphysics.metrics.measures import Measure
 
 #: Bars of a chart; of more clips only the worst are drawn.

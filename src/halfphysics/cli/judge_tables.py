@@ -12,9 +12,9 @@ from pathlib import Path
 from statistics import fmean, median
 from typing import Any
 
-from halfphysics.cli.judging import Judged
 from halfphysics.cli.measures_json import plain
 from halfphysics.cli.table import table
+from halfphysics.judging.judge import Judged
 from halfphysics.metrics.measures import MEASURES, WANTED, Measure
 
 #: Up to this many clips have a column each.

@@ -1,4 +1,4 @@
-"""Which clips are judged, against which truth, and what happens to files that cannot be read."""
+"""Judging files: results, truths, processes, and what happens to files that cannot be read."""
 
 from __future__ import annotations
 
@@ -7,35 +7,14 @@ import pytest
 from metrics.test_judge import walk
 
 import halfphysics as hp
-from halfphysics.cli.judging import Judged, Options, Task, judge_one, judged, tasks_of
+from halfphysics.cli.judge import Options
 from halfphysics.cli.options import MotionOptions, SceneOptions
 from halfphysics.errors import HalfPhysicsError
 from halfphysics.formats import registry
 from halfphysics.formats.format import Format
 from halfphysics.formats.people import Track
-
-
-@pytest.fixture
-def library(tmp_path):
-    """Two clips, one of them in a folder, a broken one, and a file that is no motion."""
-    (tmp_path / "deep").mkdir()
-    walk().save(tmp_path / "a.npz")
-    walk(1).save(tmp_path / "deep" / "b.npz")
-    (tmp_path / "broken.npz").write_bytes(b"PK\x03\x04 half a file")
-    (tmp_path / "README.txt").write_text("no motion")
-    return tmp_path
-
-
-def test_folders_and_globs_and_files(library):
-    names = ["a.npz", "broken.npz", "deep/b.npz"]
-    assert [t.path.relative_to(library).as_posix() for t in tasks_of([library], None)] == names
-    found = tasks_of([library / "a.npz", library / "deep", library / "*.npz"], None)
-    assert [t.path.name for t in found] == ["a.npz", "b.npz"]
-    with pytest.raises(HalfPhysicsError, match="no such file or folder"):
-        tasks_of([library / "gone.npz"], None)
-    (library / "empty").mkdir()
-    with pytest.raises(HalfPhysicsError, match="no motion in it"):
-        tasks_of([library / "empty"], None)
+from halfphysics.judging.judge import Judged, judge_one, judged
+from halfphysics.judging.tasks import Task, tasks_of
 
 
 def test_judge_takes_paths(library):
@@ -47,22 +26,6 @@ def test_judge_takes_paths(library):
         hp.judge(library, jobs=0)
     with pytest.raises(HalfPhysicsError, match="no such file"):
         hp.judge(library / "a.npz", scene=library / "gone.yaml")
-
-
-def test_truth_by_name(library, tmp_path_factory):
-    truths = tmp_path_factory.mktemp("truth")
-    (truths / "deep").mkdir()
-    for name in ("a.npz", "broken.npz", "deep/b.npz"):
-        walk().save(truths / name)
-    found = tasks_of([library], truths)
-    assert [t.truth for t in found] == [truths / t.path.relative_to(library) for t in found]
-    one = truths / "a.npz"
-    assert {t.truth for t in tasks_of([library], one)} == {one}
-    (truths / "deep" / "b.npz").unlink()
-    with pytest.raises(HalfPhysicsError, match=r"found no files for b\.npz, expected one"):
-        tasks_of([library], truths)
-    with pytest.raises(HalfPhysicsError, match="no such file or folder"):
-        tasks_of([library], truths / "gone")
 
 
 def test_a_broken_file_is_one_answer_and_processes_change_nothing(library):
@@ -101,7 +64,7 @@ def test_a_result_is_judged_in_its_scene(library):
 
 def test_a_scene_and_a_truth_of_another_length(library):
     walk()[:10].save(library / "short.npz")
-    options = Options(scene=SceneOptions(static=("wall=box:1:1:1",)))
+    options = Options(around=SceneOptions(static=("wall=box:1:1:1",)))
     (fine,) = judge_one((Task(library / "a.npz", truth=library / "a.npz"), options))
     assert fine.verdict["mpjpe_mm"] == pytest.approx(0.0, abs=1e-9)
     assert np.isfinite(fine.verdict["non_collision_percent"])
@@ -115,7 +78,7 @@ def test_a_fault_of_a_reader_is_an_error_of_its_clip(library, monkeypatch):
     def fail(*_: object, **__: object) -> None:
         raise ZeroDivisionError("division by zero")
 
-    monkeypatch.setattr("halfphysics.cli.judging._motion", fail)
+    monkeypatch.setattr("halfphysics.judging.judge._motion", fail)
     assert judge_one((Task(library / "a.npz"), Options())) == [
         Judged(
             str(library / "a.npz"),
@@ -128,7 +91,7 @@ def test_a_clip_that_takes_all_memory_is_an_error_of_its_own(library, monkeypatc
     def fail(*_: object, **__: object) -> None:
         raise MemoryError
 
-    monkeypatch.setattr("halfphysics.cli.judging._motion", fail)
+    monkeypatch.setattr("halfphysics.judging.judge._motion", fail)
     (one,) = judged([Task(library / "a.npz")], Options(), 1, bar=False)
     assert one.verdict is None
     assert "memory" in one.error

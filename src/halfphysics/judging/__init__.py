@@ -1,0 +1,1 @@
+"""Clips of files by everybody's measures (`halfphysics.metrics.judge`), in processes."""

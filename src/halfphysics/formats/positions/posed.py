@@ -8,7 +8,7 @@ so that feet reach the floor. Where its bones are others, some joints give way (
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,7 +20,7 @@ from halfphysics.body.proportions import checked_bones
 from halfphysics.errors import FileError, InputError
 from halfphysics.formats.datasets.fingers_from_joints import fingers_from_joints
 from halfphysics.formats.datasets.shape_from_joints import Bones, default_like, world_turns
-from halfphysics.formats.format import Options
+from halfphysics.formats.format import Options, Source
 from halfphysics.formats.motion_builder import motion_of
 from halfphysics.formats.positions.bones import bones_of, change, facing, leg
 from halfphysics.formats.positions.compromise import pulls
@@ -92,6 +92,20 @@ def as_sequence(found: Found, options: Options, format: str) -> Sequence:
     """The motion for a body with the skeleton's bones, and that body; as `as_motion`."""
     motion, body = _posed(found, options, format, own=True)
     return Sequence(motion, Scene(), body)
+
+
+def loaders(
+    format: str, found: Callable[[Source, Options], Found]
+) -> tuple[Callable[[Source, Options], Motion], Callable[[Source, Options], Sequence]]:
+    """`Format.load` and `Format.load_sequence` of a format whose files hold nothing else."""
+
+    def load(source: Source, options: Options) -> Motion:
+        return as_motion(found(source, options), options, format)
+
+    def load_sequence(source: Source, options: Options) -> Sequence:
+        return as_sequence(found(source, options), options, format)
+
+    return load, load_sequence
 
 
 def _posed(found: Found, options: Options, format: str, *, own: bool) -> tuple[Motion, Body]:

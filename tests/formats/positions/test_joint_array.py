@@ -16,7 +16,7 @@ from support.files.wrong_files import broken_bytes_are_refused, refused
 
 MET = 2e-3  # metres, mean over joints and frames
 MET_HAND = 4e-3
-FOREIGN = 0.035  # metres, on the default body: its hips are 7 cm from a stranger's, its hands 1
+FOREIGN = 0.0275  # metres, on the default body: its hips are 7 cm from a stranger's, its hands 1
 REST = np.asarray(hp.Body.default().rest_joints)
 FRAMES = 40
 PELVIS = np.array([0.0, 0.9, 0.0])

@@ -17,39 +17,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.formats.limb_bones import BONES, HINGES
 from halfphysics.motion.skeleton import JOINT_INDEX, N_JOINTS, PARENTS
 
 Array = NDArray[np.float64]
 
-_SIDES = ("left", "right")
+#: Upper joint of a hinge -> the hinge.
+_LIMBS = {hinge.upper: hinge for hinge in HINGES}
 _SPINE = tuple(JOINT_INDEX[f"spine{k}"] for k in (1, 2, 3))
 _PELVIS, _CHEST = 0, _SPINE[2]
-#: Upper joint of a hinge -> the hinge, what is below it, and the axis of its flexion at rest.
-_LIMBS = {
-    JOINT_INDEX[f"{side}_{upper}"]: (
-        JOINT_INDEX[f"{side}_{hinge}"],
-        JOINT_INDEX[f"{side}_{end}"],
-        np.array(axis),
-    )
-    for side, sign in zip(_SIDES, (1.0, -1.0), strict=True)
-    for upper, hinge, end, axis in (
-        ("hip", "knee", "ankle", (1.0, 0.0, 0.0)),
-        ("shoulder", "elbow", "wrist", (0.0, -sign, 0.0)),
-    )
-}
-#: Bones below which is a joint of the first 22.
-_ONE = {
-    JOINT_INDEX[f"{side}_{joint}"]: JOINT_INDEX[f"{side}_{end}"]
-    for side in _SIDES
-    for joint, end in (
-        ("hip", "knee"),
-        ("knee", "ankle"),
-        ("ankle", "foot"),
-        ("collar", "shoulder"),
-        ("shoulder", "elbow"),
-        ("elbow", "wrist"),
-    )
-} | {JOINT_INDEX["neck"]: JOINT_INDEX["head"]}
 #: What a straight limb's plane counts against a turn of zero: the squared sine of the flexion.
 _STRAIGHT = 0.2
 #: Frames over which bending planes are averaged, to both sides.
@@ -79,8 +55,8 @@ def first_guess(places: Array, rest: Array) -> Array:
                 world[:, joint] = _swung(
                     places, rest, joint, _SPINE[_SPINE.index(joint) + 1], between
                 )
-        elif joint in _ONE:
-            world[:, joint] = _swung(places, rest, joint, _ONE[joint], world[:, parent])
+        elif joint in BONES:
+            world[:, joint] = _swung(places, rest, joint, BONES[joint], world[:, parent])
             if joint in _LIMBS:
                 world[:, joint] = _twisted(places, joint, world[:, joint])
         else:
@@ -111,10 +87,11 @@ def _swung(places: Array, rest: Array, joint: int, end: int, base: Array) -> Arr
 
 def _twisted(places: Array, upper: int, turn: Array) -> Array:
     """A rotation (T, 4) turned about its bone so that the hinge below bends about its axis."""
-    hinge, end, axis = _LIMBS[upper]
-    bone = unit_of(places[:, hinge] - places[:, upper])
-    across = np.cross(bone, unit_of(places[:, end] - places[:, hinge]))
-    now = rot.rotate(turn, axis)
+    hinge = _LIMBS[upper]
+    bone = unit_of(places[:, hinge.joint] - places[:, upper])
+    below = places[:, BONES[hinge.joint]] - places[:, hinge.joint]
+    across = np.cross(bone, unit_of(below))
+    now = rot.rotate(turn, hinge.axis)
     now = unit_of(now - bone * np.einsum("ti,ti->t", bone, now)[:, None])
     # |across| is the sine of the flexion, so this has its square as weight.
     cosine = np.einsum("ti,ti->t", now, across)

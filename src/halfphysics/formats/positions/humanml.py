@@ -27,10 +27,9 @@ from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.format import Format, Options, Source
 from halfphysics.formats.positions import joint_array
 from halfphysics.formats.positions.bones import change, leg
+from halfphysics.formats.positions.clip_array import clip_names, clip_of
 from halfphysics.formats.positions.layouts import in_order
-from halfphysics.formats.positions.posed import Found, as_motion, as_sequence
-from halfphysics.motion.motion import Motion
-from halfphysics.simulation.sequence import Sequence
+from halfphysics.formats.positions.posed import Found, loaders
 
 Array = NDArray[np.float64]
 
@@ -105,17 +104,11 @@ def _sniff(source: Source) -> bool:
 
 
 def _clips(source: Source) -> list[str]:
-    npy = source.npy
-    return [str(k) for k in range(npy.shape[0])] if npy and len(npy.shape) == 3 else ["0"]
+    return clip_names(source, 2)
 
 
 def _found(source: Source, options: Options) -> Found:
-    npy = source.npy
-    if npy is None:
-        raise FileError(f"{source.path}: no array of features")
-    array, where = npy.array, str(source.path)
-    if array.ndim == 3:
-        array, where = array[int(options.clip)], f"{where}, clip {options.clip!r}"
+    where, array = clip_of(source, options, 2)
     # The root's way is a sum from the first frame: frames are cut after it.
     features = Record(where, {_FIELD: array}).array(_FIELD, None, array.shape[1])
     said = ""
@@ -127,13 +120,7 @@ def _found(source: Source, options: Options) -> Found:
     return Found(where, positions_of(features)[options.frames], said=said)
 
 
-def _load(source: Source, options: Options) -> Motion:
-    return as_motion(_found(source, options), options, NAME)
-
-
-def _load_sequence(source: Source, options: Options) -> Sequence:
-    return as_sequence(_found(source, options), options, NAME)
-
+_load, _load_sequence = loaders(NAME, _found)
 
 FORMAT = Format(
     name=NAME,

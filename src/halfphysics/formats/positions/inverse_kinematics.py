@@ -3,10 +3,10 @@
 Unknown in every frame are the place of the pelvis and the rotation R_j of every joint with a known
 joint below it. Minimised is::
 
-    sum_k |x_k - X_k|^2 / s^2  +  sum_j (phi_j - m_j)' W_j (phi_j - m_j)
+    sum_k w_k |x_k - X_k|^2 / s^2  +  sum_j (phi_j - m_j)' W_j (phi_j - m_j)
 
 - x_k = x_p + R_p o_k are the joints of the body, o_k their offsets at rest, X_k the given places,
-  s the `_NOISE` of these.
+  s the `_NOISE` of these, w_k 1 or what a `compromise` says.
 - phi_j = log(R_p' R_j) is a joint's own rotation. m_j and W_j (`joint_priors`) say how people bend:
   a knee about one axis, an elbow about one, shoulders and hips about all. Places alone leave the
   turn about a straight limb free, and bent limbs show it through the bending plane; the two are
@@ -65,24 +65,28 @@ class Solved(NamedTuple):
     errors: Array
 
 
-def solve(positions: Array, joints: Sequence[int], rest: Array) -> Solved:
+def solve(
+    positions: Array, joints: Sequence[int], rest: Array, pulls: Array | None = None
+) -> Solved:
     """The rotations with which a body's joints are where they are seen.
 
     Args:
         positions: Positions (T, n, 3) [m], in axes with y up or any others.
         joints: Their SMPL-X joints (n,): all of the first 22, and others such as those of fingers.
         rest: Joints of the body at rest (55, 3) [m].
+        pulls: Factors w_k of the joints (55,); None: all 1.
     """
     tree = _Tree(joints, rest)
     seen = np.empty((len(positions), N_JOINTS, 3))
     seen[:, list(joints)] = positions
     world = first_guess(seen, rest)
+    precision = (np.ones(N_JOINTS) if pulls is None else pulls) / _NOISE**2
     pelvis = np.array(seen[:, 0])
     errors = np.empty(positions.shape[:2])
     for start in range(0, len(positions), _CHUNK):
         rows = slice(start, start + _CHUNK)
         for _ in range(_STEPS):
-            _step(tree, seen[rows], world[rows], pelvis[rows])
+            _step(tree, seen[rows], world[rows], pelvis[rows], precision)
         places = tree.places(world[rows], pelvis[rows])
         off = places[:, list(joints)] - positions[rows]
         errors[rows] = np.linalg.norm(off, axis=2)
@@ -114,11 +118,13 @@ class _Tree:
         return places
 
 
-def _step(tree: _Tree, seen: Array, world: Array, pelvis: Array) -> None:
-    """One step; `world` (T, 55, 4) and `pelvis` (T, 3) are changed."""
+def _step(tree: _Tree, seen: Array, world: Array, pelvis: Array, precision: Array) -> None:
+    """One step; `world` (T, 55, 4) and `pelvis` (T, 3) are changed.
+
+    `precision` (55,): w_k / s^2.
+    """
     places = tree.places(world, pelvis)
-    precision = 1.0 / _NOISE**2
-    eye = np.eye(3)
+    damping = _DAMPING / _NOISE**2
     # Of every inner joint but the pelvis: the cost of all below as a quadratic of (dx_j, omega_p),
     # and the gain and the offset of omega_j in it.
     costs: dict[int, tuple[Array, Array]] = {}
@@ -126,11 +132,11 @@ def _step(tree: _Tree, seen: Array, world: Array, pelvis: Array) -> None:
     for joint in reversed(tree.inner):
         hessian, gradient = _below(tree, joint, places, seen, world, costs, precision)
         if joint == 0:
-            damped = hessian + _DAMPING * precision * np.eye(6)
+            damped = hessian + damping * np.eye(6)
             step = -_times(np.asarray(np.linalg.inv(damped), dtype=np.float64), gradient)
             break
         weight, pull = _prior(joint, world)
-        damped = hessian[:, 3:, 3:] + weight + _DAMPING * precision * eye
+        damped = hessian[:, 3:, 3:] + weight + damping * np.eye(3)
         inverse = np.asarray(np.linalg.inv(damped), dtype=np.float64)
         # omega_j = -inverse (hwx dx + gw + pull - weight omega_p)
         cross = np.concatenate([hessian[:, 3:, :3], -weight], axis=2)  # d omega_j of (dx, omega_p)
@@ -168,15 +174,15 @@ def _below(
     seen: Array,
     world: Array,
     costs: dict[int, tuple[Array, Array]],
-    precision: float,
+    precision: Array,
 ) -> tuple[Array, Array]:
     """Hessian (T, 6, 6) and gradient (T, 6) of all below a joint and its own place, in its
     (dx_j, omega_j)."""
     frames = len(places)
     hessian, gradient = np.zeros((frames, 6, 6)), np.zeros((frames, 6))
     diagonal = np.arange(3)
-    hessian[:, diagonal, diagonal] += precision
-    gradient[:, :3] += precision * (places[:, joint] - seen[:, joint])
+    hessian[:, diagonal, diagonal] += precision[joint]
+    gradient[:, :3] += precision[joint] * (places[:, joint] - seen[:, joint])
     for child in tree.children[joint]:
         bone = _skew(places[:, child] - places[:, joint])  # dx_c = dx_j - bone omega_j
         if child in costs:
@@ -184,9 +190,9 @@ def _below(
             xx, xw, ww = below[:, :3, :3], below[:, :3, 3:], below[:, 3:, 3:]
             gx, gw = slope[:, :3], slope[:, 3:]
         else:
-            xx = np.broadcast_to(precision * np.eye(3), (frames, 3, 3))
+            xx = np.broadcast_to(precision[child] * np.eye(3), (frames, 3, 3))
             xw = ww = np.zeros((frames, 3, 3))
-            gx = precision * (places[:, child] - seen[:, child])
+            gx = precision[child] * (places[:, child] - seen[:, child])
             gw = np.zeros((frames, 3))
         turned = xx @ bone
         crossed = bone @ xw  # bone' = -bone

@@ -3,7 +3,7 @@
 What HumanML3D's `new_joints/*.npy`, MoMask (`joints/<k>/sample*_repeat*_len*.npy`), T2M-GPT,
 MotionGPT, FlowMDM, MLD and others write. J = 22: SMPL's first joints; 24: SMPL's; 21: KIT-ML's;
 52, 55: SMPL-H's and SMPL-X's (`layouts`). The files have no rate: 20 fps, KIT-ML 12.5. A leading
-person or clip axis names its clips "0", "1", ...; a folder of such files is a library of clips.
+axis is of people or clips (`clip_array`); a folder of such files is a library of clips.
 """
 
 from __future__ import annotations
@@ -13,18 +13,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from halfphysics.errors import FileError
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.positions.clip_array import clip_names, clip_of
 from halfphysics.formats.positions.layouts import LAYOUTS
-from halfphysics.formats.positions.posed import Found, as_motion, as_sequence
+from halfphysics.formats.positions.posed import Found, loaders
 from halfphysics.formats.positions.written_joints import (
     lost_without_twist,
     places_of,
     write_array,
 )
 from halfphysics.motion.motion import Motion
-from halfphysics.simulation.sequence import Sequence
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -41,28 +40,16 @@ def _sniff(source: Source) -> bool:
 
 
 def _clips(source: Source) -> list[str]:
-    npy = source.npy
-    several = npy is not None and len(npy.shape) == 4
-    return [str(k) for k in range(npy.shape[0])] if npy is not None and several else ["0"]
+    return clip_names(source, 3)
 
 
 def _found(source: Source, options: Options) -> Found:
-    npy = source.npy
-    if npy is None:
-        raise FileError(f"{source.path}: no array of joint positions")
-    array, where = npy.array, str(source.path)
-    if array.ndim == 4:
-        array, where = array[int(options.clip)], f"{where}, clip {options.clip!r}"
+    where, array = clip_of(source, options, 3)
     record = Record(where, {_FIELD: array})
     return Found(where, record.array(_FIELD, None, array.shape[1], 3, frames=options.frames))
 
 
-def _load(source: Source, options: Options) -> Motion:
-    return as_motion(_found(source, options), options, NAME)
-
-
-def _load_sequence(source: Source, options: Options) -> Sequence:
-    return as_sequence(_found(source, options), options, NAME)
+_load, _load_sequence = loaders(NAME, _found)
 
 
 def _save(motion: Motion, path: Path, body: Body | None) -> None:

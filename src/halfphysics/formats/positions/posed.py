@@ -3,12 +3,12 @@
 The body of a sequence is the default body with the skeleton's own bones, on which every joint is
 met. `Motion.load` has no body to give: its motion is for `Body.default()`, at the places as they
 are where its legs have nearly the same length, else with all places scaled by the ratio of the legs
-so that feet reach the floor.
+so that feet reach the floor. Where its bones are others, some joints give way (`compromise`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,9 +20,10 @@ from halfphysics.body.proportions import checked_bones
 from halfphysics.errors import FileError, InputError
 from halfphysics.formats.datasets.fingers_from_joints import fingers_from_joints
 from halfphysics.formats.datasets.shape_from_joints import Bones, default_like, world_turns
-from halfphysics.formats.format import Options
+from halfphysics.formats.format import Options, Source
 from halfphysics.formats.motion_builder import motion_of
 from halfphysics.formats.positions.bones import bones_of, change, facing, leg
+from halfphysics.formats.positions.compromise import pulls
 from halfphysics.formats.positions.inverse_kinematics import Solved, solve
 from halfphysics.formats.positions.layouts import BODY, Places, fps_of, in_order
 from halfphysics.motion import skeleton
@@ -93,6 +94,20 @@ def as_sequence(found: Found, options: Options, format: str) -> Sequence:
     return Sequence(motion, Scene(), body)
 
 
+def loaders(
+    format: str, found: Callable[[Source, Options], Found]
+) -> tuple[Callable[[Source, Options], Motion], Callable[[Source, Options], Sequence]]:
+    """`Format.load` and `Format.load_sequence` of a format whose files hold nothing else."""
+
+    def load(source: Source, options: Options) -> Motion:
+        return as_motion(found(source, options), options, format)
+
+    def load_sequence(source: Source, options: Options) -> Sequence:
+        return as_sequence(found(source, options), options, format)
+
+    return load, load_sequence
+
+
 def _posed(found: Found, options: Options, format: str, *, own: bool) -> tuple[Motion, Body]:
     where, positions = found.where, found.positions
     if len(positions) < 2:
@@ -107,8 +122,9 @@ def _posed(found: Found, options: Options, format: str, *, own: bool) -> tuple[M
         places = places._replace(all=places.all * [-1.0, 1.0, 1.0])
         mirrored = "toes point backwards: taken for a mirror image, x negated"
         said = f"{said}; {mirrored}" if said else mirrored
-    body, scale = _body(where, places, own)
-    solved = _solved(places._replace(all=scale * places.all), np.asarray(body.rest_joints))
+    body, scale, same = _body(where, places, own)
+    scaled = places._replace(all=scale * places.all)
+    solved = _solved(scaled, np.asarray(body.rest_joints), gives_way=not same)
     fps = fps_of(positions.shape[1]) if found.fps is None else found.fps
     invented = {"rotations": "turns of bones about themselves", "betas": "the shape"}
     if not places.fingers:
@@ -136,8 +152,8 @@ def _posed(found: Found, options: Options, format: str, *, own: bool) -> tuple[M
     return motion, body
 
 
-def _body(where: str, places: Places, own: bool) -> tuple[Body, float]:
-    """The body that is moved, and the factor on the places for it."""
+def _body(where: str, places: Places, own: bool) -> tuple[Body, float, bool]:
+    """The body that is moved, the factor on the places for it, and whether it has their bones."""
     body = Body.default()
     rest = np.asarray(body.rest_joints)
     bones = bones_of(places.all, rest)
@@ -146,10 +162,10 @@ def _body(where: str, places: Places, own: bool) -> tuple[Body, float]:
     offsets = rest - rest[np.maximum(skeleton.PARENTS, 0)]
     bones = _plausible(where, bones, offsets, rest)
     if float(np.nanmax(np.linalg.norm(bones - offsets, axis=1))) < _SAME:
-        return body, 1.0
+        return body, 1.0, True
     if own:
-        return default_like(where, Bones(bones, 0.0)), 1.0
-    return body, scale_for(leg(places.all))
+        return default_like(where, Bones(bones, 0.0)), 1.0, True
+    return body, scale_for(leg(places.all)), False
 
 
 def _plausible(where: str, bones: Array, offsets: Array, rest: Array) -> Array:
@@ -197,7 +213,7 @@ def in_metres(where: str, places: Places) -> tuple[Places, str]:
     return places._replace(all=_UNITS[unit] * places.all), unit
 
 
-def _solved(places: Places, rest: Array) -> Solved:
+def _solved(places: Places, rest: Array, *, gives_way: bool) -> Solved:
     """The rotations for places on a body with joints `rest`; fingers where the file has them."""
     seen, rest = list(BODY), np.array(rest)
     if places.fingers:
@@ -210,7 +226,8 @@ def _solved(places: Places, rest: Array) -> Solved:
             length = np.median(np.linalg.norm(places.all[:, palm] - places.all[:, wrist], axis=1))
             way = rest[palm] - rest[wrist]
             rest[palm] = rest[wrist] + way * length / np.linalg.norm(way)
-    solved = solve(places.all[:, seen], seen, rest)
+    given = places.all[:, seen]
+    solved = solve(given, seen, rest, pulls(given, seen, rest) if gives_way else None)
     if places.fingers:
         turns = world_turns(solved.rotations)
         for side, joints in _HANDS.items():

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.formats.limb_bones import BONES, HINGES
 from halfphysics.formats.skeletons.source_skeleton import SAME_PLACE, SourceSkeleton
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES, PARENTS
 
@@ -29,16 +30,10 @@ _TRUNK = tuple(JOINT_INDEX[n] for n in ("neck", "head", "left_collar", "right_co
 _UPRIGHT = tuple(JOINT_INDEX[n] for n in ("neck", "head", "jaw"))
 _SPINE = tuple(JOINT_INDEX[f"spine{k}"] for k in (1, 2, 3))
 #: Joint -> the joint at the end of its bone; for fingers the next finger joint.
-_NEXT = {
+_NEXT = BONES | {
     JOINT_INDEX[f"{side}_{joint}"]: JOINT_INDEX[f"{side}_{then}"]
     for side in _SIDES
     for joint, then in (
-        ("hip", "knee"),
-        ("knee", "ankle"),
-        ("ankle", "foot"),
-        ("collar", "shoulder"),
-        ("shoulder", "elbow"),
-        ("elbow", "wrist"),
         ("wrist", "middle1"),
         *(
             (f"{f}{k}", f"{f}{k + 1}")
@@ -46,19 +41,12 @@ _NEXT = {
             for k in (1, 2)
         ),
     )
-} | {JOINT_INDEX["neck"]: JOINT_INDEX["head"]}
+}
 _ANKLES = tuple(JOINT_INDEX[f"{side}_ankle"] for side in _SIDES)
 _FEET = tuple(JOINT_INDEX[f"{side}_foot"] for side in _SIDES)
 _WRISTS = tuple(JOINT_INDEX[f"{side}_wrist"] for side in _SIDES)
 #: Upper and lower bone of the hinges -> their flexion axis in SMPL-X's rest pose.
-_HINGES = {
-    (JOINT_INDEX[f"{side}_{upper}"], JOINT_INDEX[f"{side}_{lower}"]): axis
-    for side, out in zip(_SIDES, (1.0, -1.0), strict=True)
-    for upper, lower, axis in (
-        ("hip", "knee", np.array([1.0, 0.0, 0.0])),
-        ("shoulder", "elbow", np.array([0.0, -out, 0.0])),
-    )
-}
+_HINGES = {(hinge.upper, hinge.joint): hinge.axis for hinge in HINGES}
 # Cosine of the largest angle between a rest direction and that of a standing person.
 _STANDING = np.cos(np.radians(55.0))
 # Cosine of the angle to the axes below which a trunk frame is snapped to them.

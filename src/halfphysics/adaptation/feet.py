@@ -160,14 +160,21 @@ def kept(
     return motion.with_frames(motion.translation, rotations), away
 
 
-def in_reach(body: Body, foot: Foot, position: Array, goal: Array) -> Array:
-    """Places of the ankle (T, 3) no farther from the hip than a leg or the recording reaches."""
+def reach_of(body: Body, foot: Foot, position: Array) -> Array:
+    """How far from the hip the ankle may be (T,) [m]: as a leg stretches, or as it was recorded."""
     rest = np.asarray(body.rest_joints)[list(foot.limb)]
     hip, ankle = position[:, foot.limb[0]], position[:, foot.limb[2]]
     long = float(np.linalg.norm(np.diff(rest, axis=0), axis=1).sum())
-    most = np.maximum(_STRETCHED * long, np.linalg.norm(ankle - hip, axis=1))
+    result: Array = np.maximum(_STRETCHED * long, np.linalg.norm(ankle - hip, axis=1))
+    return result
+
+
+def in_reach(body: Body, foot: Foot, position: Array, goal: Array) -> Array:
+    """Places of the ankle (T, 3) no farther from the hip than a leg or the recording reaches."""
+    hip = position[:, foot.limb[0]]
     away = np.linalg.norm(goal - hip, axis=1)
-    result: Array = hip + (goal - hip) * np.minimum(1.0, most / away)[:, None]
+    share = np.minimum(1.0, reach_of(body, foot, position) / away)
+    result: Array = hip + (goal - hip) * share[:, None]
     return result
 
 

@@ -23,6 +23,7 @@ from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.repair.ground_fit import Ground, fit_ground
 from halfphysics.repair.levelled import levelled
 from halfphysics.repair.planted import planted
+from halfphysics.repair.settled import settled
 from halfphysics.repair.sliding import common_slide, without_slide
 from halfphysics.repair.smoothing import low_passed
 from halfphysics.repair.soles import REACH, Soles
@@ -49,6 +50,9 @@ HIGH = 0.02
 #: A clip floats where it does so in more than this share of its frames more than the simulated one:
 #: jumps that no measure takes for jumps float in both [%].
 FLOATS = 5.0
+#: Where feet are kept in place, others rest for longer than before: they are looked at again, at
+#: most this many times.
+_ROUNDS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,12 +229,16 @@ def _planted(
     people: list[tuple[Motion, Body]], scene: Scene, done: list[str]
 ) -> list[tuple[Motion, Body]]:
     """Everybody with resting soles in place; `done` says by how much they were shifted."""
-    made, sizes = [], []
+    made, sizes = [], [0.0]
     for motion, body in people:
-        motion, size = planted(motion, body, Soles.of(motion, body, scene))
+        for _ in range(_ROUNDS):
+            motion, held, size = planted(motion, body, Soles.of(motion, body, scene))
+            if not held.any():
+                break
+            motion = settled(motion, body, Soles.of(motion, body, scene), held)
+            sizes.append(size)
         made.append((motion, body))
-        sizes.append(size)
-    if max(sizes) > 0.0:
+    if len(sizes) > 1:
         done.append(f"resting feet slid: kept in place, by {1000.0 * max(sizes):.0f} mm")
     return made
 

@@ -8,7 +8,7 @@ import pytest
 import halfphysics as hp
 from halfphysics.errors import InputError
 from halfphysics.repair.report import measures
-from support.damage import FLOATING, floating, sunk
+from support.damage import FLOATING, floating, noisy, sunk
 from support.real_clips import real_clip
 
 #: A clip that floats in all is put down to this [m].
@@ -110,6 +110,16 @@ def test_the_same_input_gives_the_same_bytes():
     made = [hp.fix(walk).motion for _ in range(2)]
     assert np.array_equal(made[0].rotations, made[1].rotations)
     assert np.array_equal(made[0].translation, made[1].translation)
+
+
+def test_a_second_repair_finds_nothing():
+    body = hp.Body.default()
+    bad = noisy(real_clip("asap_kick1.npz").grounded(body)[:70], body)
+    once = hp.fix(bad)
+    assert any("kept in place" in line for line in once.done)
+    again = hp.fix(once.motion)
+    assert again.done == ()
+    assert again.motion is once.motion
 
 
 def test_mistakes_are_one_message():

@@ -1,6 +1,7 @@
 """One call for what estimators and generators make: the floor found, feet on it, nothing inside.
 
-    clip -> smoothed (if asked) -> on its ground -> no common slide -> soles planted -> physics
+    clip -> smoothed (if asked) -> on its ground -> no common slide -> soles planted and put down
+         -> physics
 
 The first steps are kinematic and small: what a camera or a network got wrong is a height, a tilt, a
 drift, feet that slide. What they leave (feet in the floor or over it, arms in the trunk, a person

@@ -148,6 +148,24 @@ REAL = {
         {"left_index1": "index_01_l", "left_index3": "index_03_l", "left_thumb1": "thumb_01_l"}
         | {"left_shoulder": "upperarm_l", "left_middle1": "LeftHandMiddle1"},
     ),
+    # The first of four joints before an end without a number is the palm's bone; without that end,
+    # or if it has a number, the fourth is the tip.
+    "SOMA, Mixamo with tips": (
+        "Hips LeftLeg LeftShin LeftFoot RightLeg RightShin RightFoot Chest LeftArm LeftForeArm"
+        " LeftHand LeftHandIndex1 LeftHandIndex2 LeftHandIndex3 LeftHandIndex4 LeftHandIndexEnd"
+        " LeftHandThumb1 LeftHandThumb2 LeftHandThumb3 LeftHandThumbEnd"
+        " RightArm RightForeArm RightHand"
+        " RightHandRing1 RightHandRing2 RightHandRing3 RightHandRing4"
+        " RightHandPinky1 RightHandPinky2 RightHandPinky3 RightHandPinky4 RightHandPinky4_end",
+        [
+            *(-1, 0, 1, 2, 0, 4, 5, 0, 7, 8, 9, 10, 11, 12, 13, 14, 10, 16, 17, 18),
+            *(7, 20, 21, 22, 23, 24, 25, 22, 27, 28, 29, 30),
+        ],
+        {f"left_index{k}": f"LeftHandIndex{k + 1}" for k in (1, 2, 3)}
+        | {f"left_thumb{k}": f"LeftHandThumb{k}" for k in (1, 2, 3)}
+        | {f"right_ring{k}": f"RightHandRing{k}" for k in (1, 2, 3)}
+        | {f"right_pinky{k}": f"RightHandPinky{k}" for k in (1, 2, 3)},
+    ),
 }
 
 

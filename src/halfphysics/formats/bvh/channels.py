@@ -10,6 +10,7 @@ from halfphysics.base.euler import from_angles
 from halfphysics.formats.bvh.hierarchy import CHANNELS
 from halfphysics.formats.bvh.text import Bvh
 from halfphysics.formats.skeletons.animated_skeleton import AnimatedSkeleton
+from halfphysics.formats.skeletons.soma import is_soma
 
 Array = NDArray[np.float64]
 
@@ -74,9 +75,10 @@ def _is_added(bvh: Bvh, joint: int, moves: list[tuple[int, int]]) -> bool:
     """Whether the position channels are added to the offset.
 
     They replace it, as in Blender and in files with the root's position in both, except for a joint
-    below the root that stays closer to its offset if they are added.
+    below the root that stays closer to its offset if they are added. Kimodo puts the hips of SOMA,
+    which may lie, below a root and gives them an offset of 1 m that they replace.
     """
-    if bvh.parents[joint] < 0:
+    if bvh.parents[joint] < 0 or is_soma(bvh.names):
         return False
     mean = bvh.values[:, [column for _, column in moves]].mean(axis=0)
     offset = bvh.offsets[joint][[axis for axis, _ in moves]]

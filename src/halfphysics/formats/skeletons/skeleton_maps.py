@@ -171,11 +171,14 @@ def _put_fingers(
     below = {wrist}
     biped = any(name.words[:2] == ("finger", "0") for name in taken)
     chains: dict[str, list[int]] = {}
+    ended: set[str] = set()
     for i, parent in enumerate(parents):
         if parent not in below:
             continue
         below.add(i)
         finger = _finger_of(taken[i], biped)
+        if taken[i].words[-1:] == ("end",):
+            ended.update(_FINGERS.get(word, "") for word in taken[i].words[-2:-1])
         if finger is None or taken[i].side not in (side, ""):
             continue
         chain = chains.setdefault(finger, [])
@@ -183,8 +186,11 @@ def _put_fingers(
         if not chain or _is_above(chain[-1], i, parents):
             chain.append(i)
     for finger, chain in chains.items():
-        # A joint numbered 0 is the palm's bone if three more follow it.
-        if finger != "thumb" and len(chain) > 3 and taken[chain[0]].words[-1] in ("0", "00"):
+        # The palm's bone is a joint numbered 0 that three more follow, or, in SOMA, the first of
+        # four that an end without a number follows ("Index1" to "Index4", "IndexEnd"). Mixamo's
+        # fourth is the finger's tip, and an end of it has its number ("Index4_end").
+        palm = taken[chain[0]].words[-1] in ("0", "00") or finger in ended
+        if finger != "thumb" and len(chain) > 3 and palm:
             chain = chain[1:]
         for number, i in enumerate(chain[:3], 1):
             found[JOINT_INDEX[f"{side}_{finger}{number}"]] = i

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Literal
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -37,10 +40,7 @@ def retargeted(
     Raises:
         FileError: The skeleton is not a person's.
     """
-    from halfphysics.body.body import Body
-
-    body = Body.default()
-    found = retarget(where, animated, body.rest_joints)
+    found, pelvis = _on_default_body(where, animated)
     up = options.up or found.up
     lines = [
         f"{where}: put on the default body by joint names; unit {found.unit} (a leg is "
@@ -51,22 +51,70 @@ def retargeted(
     if found.unmatched:
         lines.append(f"not used of the file: {', '.join(found.unmatched)}")
     warn("; ".join(lines))
-    hands = any(joint in found.matched for joint in skeleton.LEFT_HAND_JOINTS)
-    hands |= any(joint in found.matched for joint in skeleton.RIGHT_HAND_JOINTS)
     motion = motion_of(
         where,
         options,
         format=format,
-        translation=found.pelvis - body.rest_joints[0],
+        translation=found.pelvis - pelvis,
         rotations=found.rotations,
         fps=fps,
         up="z" if up == "z" else "y",
         model="smplx",
         gender="neutral",
-        hands="flat" if hands else None,
+        hands="flat" if _has_fingers(found) else None,
         fields={DEFAULT_BODY: True},
     )
     return motion, found
+
+
+def retargeted_known(
+    where: str,
+    options: Options,
+    animated: AnimatedSkeleton,
+    fps: float,
+    format: str,
+    *,
+    up: Literal["y", "-y"],
+    invented: Mapping[str, str],
+) -> tuple[Motion, float]:
+    """The motion of a skeleton whose joints, unit and axes its format prescribes, without a word.
+
+    Args:
+        where, options, animated, fps, format: As of `retargeted`.
+        up: The axis that is up in the format; "-y": y is down.
+        invented: What the file does not say -> how it is told, for `Motion.origin`.
+
+    Returns:
+        The motion on the default body, and the factor on places with which its legs are met.
+    """
+    found, pelvis = _on_default_body(where, animated)
+    motion = motion_of(
+        where,
+        options,
+        format=format,
+        translation=found.pelvis - pelvis,
+        rotations=found.rotations,
+        fps=fps,
+        up=up,
+        model="smplx",
+        gender="neutral",
+        hands="flat" if _has_fingers(found) else None,
+        fields={DEFAULT_BODY: True, "invented": dict(invented)},
+    )
+    return motion, found.scale
+
+
+def _on_default_body(where: str, animated: AnimatedSkeleton) -> tuple[Retargeted, Array]:
+    """The skeleton's motion on the default body, and that body's pelvis (3,) at rest."""
+    from halfphysics.body.body import Body
+
+    rest = np.asarray(Body.default().rest_joints)
+    return retarget(where, animated, rest), rest[0]
+
+
+def _has_fingers(found: Retargeted) -> bool:
+    hands = {*skeleton.LEFT_HAND_JOINTS, *skeleton.RIGHT_HAND_JOINTS}
+    return bool(hands & set(found.matched))
 
 
 def smplx_motion(

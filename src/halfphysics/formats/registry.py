@@ -50,6 +50,7 @@ from halfphysics.formats.positions import humanml, joint_array, kimodo, mdm, mdm
 from halfphysics.formats.video import (
     bedlam,
     comotion,
+    gemx,
     gvhmr,
     mcs,
     phalp,
@@ -105,6 +106,7 @@ FORMATS: dict[str, Format] = {
         prox.FORMAT,
         rich.FORMAT,
         gvhmr.FORMAT,
+        gemx.FORMAT,
         wham.FORMAT,
         prompthmr.FORMAT,
         mcs.FORMAT,

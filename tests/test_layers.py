@@ -74,7 +74,7 @@ SUBFOLDERS = {
         "gltf": "skeletons datasets",
         "positions": "datasets",
         "results": "amass",
-        "video": "",
+        "video": "positions",
     },
     "render": {"film": ""},
     "scenarios": {"acting": "", "props": "acting", "stories": "acting props"},

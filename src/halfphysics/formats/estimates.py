@@ -83,6 +83,7 @@ def tracked(
     sniff: Callable[[Source], bool],
     people: Callable[[Source], dict[str, Seen]],
     read: Callable[[Seen, Options], Motion],
+    with_body: Callable[[Seen, Options], tuple[Motion, Body]] | None = None,
 ) -> Format:
     """The format of an estimator's files.
 
@@ -90,18 +91,26 @@ def tracked(
         name, expects, about, invents, sniff: As of `Format`.
         people: The people of a file by name; looked for once per file.
         read: The motion of one of them.
+        with_body: Their motion on their own body, and that body; None: `read`, on the default one.
     """
     known = once(people)
 
     def tracks(source: Source) -> Listing[Track]:
         return [track_of(who.record.where, key, who.frames) for key, who in known(source).items()]
 
-    def load(source: Source, options: Options) -> Motion:
+    def person(source: Source, options: Options) -> Seen:
         found = known(source)
         key = options.clip or next(iter(found), "")
         if key not in found:
             raise FileError(f"{source.path}: found nobody in it, expected at least one person")
-        return read(found[key], options)
+        return found[key]
+
+    def load(source: Source, options: Options) -> Motion:
+        return read(person(source, options), options)
+
+    def load_person(source: Source, options: Options) -> tuple[Motion, Body]:
+        assert with_body is not None
+        return with_body(person(source, options), options)
 
     return Format(
         name=name,
@@ -111,6 +120,7 @@ def tracked(
         sniff=sniff,
         load=load,
         people=tracks,
+        load_person=load_person if with_body is not None else None,
     )
 
 

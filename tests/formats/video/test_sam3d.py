@@ -21,10 +21,10 @@ from support.files.sam3d_files import BONES, known, video
 from support.files.wrong_files import Boom, broken_bytes_are_refused, refused
 
 #: Joints of arms and legs are met to this, mean over joints and frames [m].
-MET, MET_POINTS, MET_FINGERS = 3e-3, 6e-3, 5e-3
+MET, MET_POINTS, MET_FINGERS = 3e-3, 8e-3, 5e-3
 #: World rotations differ by less, medians over the frames [degrees]: the forms of the two bodies'
 #: heads, soles and hips differ by as much. A straight limb's turn about itself is not in places.
-TURNED = {"pelvis": 5.0, "head": 2.0, "left_ankle": 5.0, "right_ankle": 5.0, "left_wrist": 3.0,
+TURNED = {"pelvis": 5.0, "head": 2.0, "left_ankle": 6.0, "right_ankle": 6.0, "left_wrist": 3.0,
           "left_foot": 5.0, "left_elbow": 8.0, "left_hip": 15.0}  # fmt: skip
 LIMBS = ("upleg", "lowleg", "foot", "ball", "uparm", "lowarm", "wrist")
 #: From y up to z up.
@@ -73,7 +73,9 @@ def test_a_person_comes_back(tmp_path):
     assert sequence.motion.fps == 30.0
     assert limbs(sequence, who).mean() < MET
     for joint, most in TURNED.items():
-        assert np.median(turned(sequence.motion, who, joint)) < most, joint
+        off = turned(sequence.motion, who, joint)
+        assert np.median(off) < most, joint
+        assert off.max() < 40.0, joint
     fingers = [n for n in BONES if n[-1] in "123" and "spine" not in n]
     own = sequence.bodies[0].joints(sequence.motion)[:, [JOINT_INDEX[BONES[n][2]] for n in fingers]]
     off = own - np.stack([who.place(name) for name in fingers], axis=1)

@@ -34,7 +34,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
-from halfphysics.formats.positions.first_guess import first_guess
+from halfphysics.formats.positions.first_guess import first_guess, rigid
 from halfphysics.formats.positions.joint_priors import MEANS, WEIGHTS
 from halfphysics.motion.skeleton import N_JOINTS, PARENTS
 
@@ -98,6 +98,10 @@ def solve(
     if marks is not None:
         seen[:, N_JOINTS:] = marks.seen
     world = first_guess(seen, rest)
+    for joint in set(() if marks is None else marks.joints):
+        below = tree.children[joint]
+        if len(below) > 1:
+            world[:, joint] = rigid(tree.offsets[below], seen[:, below] - seen[:, [joint]])
     pelvis = np.array(seen[:, 0])
     errors = np.empty(positions.shape[:2])
     for start in range(0, len(positions), _CHUNK):

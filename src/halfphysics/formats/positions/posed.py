@@ -214,7 +214,8 @@ def in_metres(
         raise FileError(
             f"{where}: no joint positions of a person: found {found}, expected legs of "
             f"{_LEG[0]:g} to {_LEG[1]:g} m and rigid bones, in the order of {order}. Are "
-            "these rotations, normalized values (un-normalize them with Mean and Std), or joints of another skeleton?"
+            "these rotations, normalized values (un-normalize them with Mean and Std), or joints "
+            "of another skeleton?"
         )
     return places._replace(all=UNITS[unit] * places.all), unit
 

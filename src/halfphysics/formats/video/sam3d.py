@@ -106,8 +106,8 @@ def _checked(source: Source, sighting: Sighting) -> dict[str, Array]:
         found[key] = np.array(squeezed, dtype=np.float64)
         if not np.isfinite(found[key]).all():
             raise FileError(
-                f"{source.path}: field '{key}': NaN or infinite in frame {sighting.number}, expected "
-                "finite numbers. Leave that person out there: the gap is filled"
+                f"{source.path}: field '{key}': NaN or infinite in frame {sighting.number}, "
+                "expected finite numbers. Leave that person out there: the gap is filled"
             )
     if not {JOINTS, POINTS} & set(found):
         raise FileError(

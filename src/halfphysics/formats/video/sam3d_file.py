@@ -90,10 +90,9 @@ def content_of(source: Source) -> Any:
 def files_of(folder: Path) -> list[tuple[int, str | None, Path]]:
     """The files of a folder: number of the frame, person or None, path; in order."""
     found = files_in(folder, _FILE)
-    numbers = _numbers([match["stem"] for match, _ in found])
-    rows = [
-        (number, match["who"], path) for number, (match, path) in zip(numbers, found, strict=True)
-    ]
+    stems = list(dict.fromkeys(match["stem"] for match, _ in found))
+    numbers = dict(zip(stems, _numbers(stems), strict=True))
+    rows = [(numbers[match["stem"]], match["who"], path) for match, path in found]
     return sorted(rows, key=lambda row: (row[0], row[1] or "", row[2].name))
 
 

@@ -49,7 +49,7 @@ _SAME = 0.003
 #: Where legs differ less than this, relative, feet reach the floor without scaling.
 _NEAR = 0.1
 #: Toes that point so far from where the body faces (a cosine, over the clip) are of a mirror image.
-_BACK = -0.5
+BACK = -0.5
 _SIDES = ("left", "right")
 _HANDS = {"left": skeleton.LEFT_HAND_JOINTS, "right": skeleton.RIGHT_HAND_JOINTS}
 #: Bones that stand for a hand: SMPL's hand joint is a point of the palm, no knuckle.
@@ -106,7 +106,7 @@ def _posed(found: Found, options: Options, format: str, *, own: bool) -> tuple[M
     rest = np.asarray(Body.default().rest_joints)
     places, unit = in_metres(where, in_order(positions, rest))
     said = found.said
-    if facing(places.all) < _BACK:
+    if facing(places.all) < BACK:
         places = places._replace(all=places.all * [-1.0, 1.0, 1.0])
         mirrored = "toes point backwards: taken for a mirror image, x negated"
         said = f"{said}; {mirrored}" if said else mirrored

@@ -212,6 +212,8 @@ def _read(who: Seen, options: Options, *, own: bool) -> Motion:
             "the camera to the median"
         )
     met = 1e3 * float(fit.solved.errors.mean())
+    if fit.said:
+        warn(f"{where}: {fit.said}")
     warn(f"{where}: MHR's joints put on {described(body, scale)}, met to {met:.0f} mm")
     fps = float(who.record.fields["fps"]) if "fps" in who.record else None
     return estimated(

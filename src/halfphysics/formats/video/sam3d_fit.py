@@ -22,11 +22,11 @@ from numpy.typing import NDArray
 from halfphysics.base import rotations as rot
 from halfphysics.body.body import Body
 from halfphysics.errors import FileError
-from halfphysics.formats.positions.bones import bones_of, leg
+from halfphysics.formats.positions.bones import bones_of, facing, leg
 from halfphysics.formats.positions.inverse_kinematics import Marks, Solved
 from halfphysics.formats.positions.landmarks import SIDES, landmarks
 from halfphysics.formats.positions.layouts import Places
-from halfphysics.formats.positions.posed import UNITS, body_for, in_metres, solved_for
+from halfphysics.formats.positions.posed import BACK, UNITS, body_for, in_metres, solved_for
 from halfphysics.formats.positions.similarity import turn_of
 from halfphysics.formats.video.mhr_skeleton import (
     places_of_joints,
@@ -57,12 +57,14 @@ class Fitted(NamedTuple):
         solved: Its motion, in the axes of the file.
         ratio: How much longer the legs of the default body are: the factor on places for it.
         sizes: Of every frame against the median (T,).
+        said: What was put right, in words; "" for nothing.
     """
 
     body: Body
     solved: Solved
     ratio: float
     sizes: Array
+    said: str
 
 
 def fitted(where: str, joints: Array | None, points: Array | None) -> Fitted:
@@ -88,12 +90,18 @@ def fitted(where: str, joints: Array | None, points: Array | None) -> Fitted:
     sizes = _sizes(all)
     places, unit = in_metres(where, Places(all / sizes[:, None, None], True, True), "MHR")
     seen = {name: UNITS[unit] * place / sizes[:, None] for name, place in seen.items()}
+    said = [] if unit == "m" else [f"unit {unit}"]
+    if facing(places.all) < BACK:
+        flip = np.array([-1.0, 1.0, 1.0])
+        places = places._replace(all=places.all * flip)
+        seen = {name: place * flip for name, place in seen.items()}
+        said.append("toes point backwards: taken for a mirror image, x negated")
     bones = bones_of(places.all[:, :N_JOINTS], rest_of_mhr())
     marks = _marks(places.all, seen, bones, toes=joints is not None) if seen else None
     body, _ = body_for(where, places, True, bones)
     rest = np.asarray(body.rest_joints)
     ratio = leg(np.asarray(Body.default().rest_joints)[None]) / leg(rest[None])
-    return Fitted(body, solved_for(places, rest, marks), ratio, sizes)
+    return Fitted(body, solved_for(places, rest, marks), ratio, sizes, "; ".join(said))
 
 
 def _sizes(places: Array) -> Array:

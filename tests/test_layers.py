@@ -75,7 +75,7 @@ SUBFOLDERS = {
         "gltf": "skeletons datasets",
         "positions": "datasets skeletons",
         "results": "amass",
-        "video": "skeletons",
+        "video": "skeletons positions",
     },
     "render": {"film": ""},
     "scenarios": {"acting": "", "props": "acting", "stories": "acting props"},

@@ -88,6 +88,7 @@ def tracked(
     suffix: str = ".pkl",
     up: Literal["y", "-y"] = "y",
     loses: Callable[[Motion], tuple[str, ...]] = nothing,
+    with_body: Callable[[Seen, Options], tuple[Motion, Body]] | None = None,
 ) -> Format:
     """The format of an estimator's files.
 
@@ -97,18 +98,29 @@ def tracked(
         read: The motion of one of them.
         write: Writes people by name; None: the format is read-only.
         suffix, up, loses: Of the files written.
+        with_body: Their motion on their own body, and that body; None: `read`, on the default one.
     """
     known = once(people)
 
     def tracks(source: Source) -> Listing[Track]:
         return [track_of(who.record.where, key, who.frames) for key, who in known(source).items()]
 
-    def load(source: Source, options: Options) -> Motion:
+    def person(source: Source, options: Options) -> tuple[str, Seen]:
         found = known(source)
         key = options.clip or next(iter(found), "")
         if key not in found:
             raise FileError(f"{source.path}: found nobody in it, expected at least one person")
-        return _named(read(found[key], options), key)
+        return key, found[key]
+
+    def load(source: Source, options: Options) -> Motion:
+        key, who = person(source, options)
+        return _named(read(who, options), key)
+
+    def load_person(source: Source, options: Options) -> tuple[Motion, Body]:
+        assert with_body is not None
+        key, who = person(source, options)
+        motion, body = with_body(who, options)
+        return _named(motion, key), body
 
     def save(motions: Listing[Motion], path: Path, bodies: Listing[Body | None]) -> None:
         assert write is not None
@@ -127,6 +139,7 @@ def tracked(
         suffixes=(suffix,),
         up=up,
         loses=loses,
+        load_person=load_person if with_body is not None else None,
     )
 
 

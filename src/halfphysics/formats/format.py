@@ -184,6 +184,9 @@ class Format:
     #: `Options.frames` count from that person's first frame. None: one person, or `load_sequence`
     #: knows of the others.
     people: Callable[[Source], Listing[Track]] | None = None
+    #: One of these people with the body that they have in the file, for `load_sequence`; None:
+    #: `load`, and the default body.
+    load_person: Callable[[Source, Options], tuple[Motion, Body]] | None = None
     #: What stands around these people; None: nothing is known of it.
     scene: Callable[[Source, Options], Scene] | None = None
     #: Writes a motion in the axes of its file or of `up`; None: the format is read-only.

@@ -6,7 +6,7 @@ import os
 from collections.abc import Sequence as Listing
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TypeVar
 
 from halfphysics.base.reader_warnings import one_warning, warn
 from halfphysics.base.suggestions import did_you_mean
@@ -65,7 +65,10 @@ from halfphysics.formats.video import (
 from halfphysics.motion.motion import Motion
 
 if TYPE_CHECKING:
+    from halfphysics.body.body import Body
     from halfphysics.simulation.sequence import Sequence
+
+T = TypeVar("T")
 
 __all__ = [
     "FORMATS",
@@ -129,6 +132,7 @@ FORMATS: dict[str, Format] = {
         blender.FORMAT,
         bvh.FORMAT,
         gltf.FORMAT,
+        sam3d.FORMAT,  # last: it looks into pickles of any kind
     )
 }
 
@@ -259,34 +263,39 @@ def _sequence(source: Source, format: Format, options: Options) -> Sequence:
     from halfphysics.simulation.sequence import Sequence
 
     if format.people is not None:
-        people = _people(source, format.people(source), format, options)
-        return Sequence(people, format.scene(source, options) if format.scene else Scene())
+        motions, bodies = _people(source, format.people(source), format, options)
+        scene = format.scene(source, options) if format.scene else Scene()
+        return Sequence(_one_or_all(motions), scene, _one_or_all(bodies) if bodies else None)
     if format.load_sequence is None:
         return Sequence(format.load(source, options), Scene())
     return format.load_sequence(source, options)
 
 
+def _one_or_all(items: tuple[T, ...]) -> T | tuple[T, ...]:
+    return items if len(items) > 1 else items[0]
+
+
 def _people(
     source: Source, tracks: Listing[Track], format: Format, options: Options
-) -> Motion | tuple[Motion, ...]:
-    """The person whom `clip` names, or those of a file who are there together."""
+) -> tuple[tuple[Motion, ...], tuple[Body, ...]]:
+    """The person whom `clip` names, or those of a file who are there together; and their bodies,
+    none if the format has none."""
     where = str(source.path)
     if options.clip:
-        return format.load(source, replace(options, clip=chosen(where, tracks, options.clip).name))
-    kept, start, stop = together(where, tracks)
-    first, last, step = options.frames.indices(stop - start)
-    motions = tuple(
-        format.load(
-            source,
-            replace(
-                options,
-                clip=track.name,
-                frames=slice(start - track.start + first, start - track.start + last, step),
-            ),
-        )
-        for track in kept
-    )
-    return motions if len(motions) > 1 else motions[0]
+        kept, parts = [chosen(where, tracks, options.clip)], [options.frames]
+    else:
+        kept, start, stop = together(where, tracks)
+        first, last, step = options.frames.indices(stop - start)
+        begins = [start - track.start for track in kept]
+        parts = [slice(begin + first, begin + last, step) for begin in begins]
+    own = [
+        replace(options, clip=track.name, frames=part)
+        for track, part in zip(kept, parts, strict=True)
+    ]
+    if format.load_person is None:
+        return tuple(format.load(source, each) for each in own), ()
+    found = [format.load_person(source, each) for each in own]
+    return tuple(motion for motion, _ in found), tuple(body for _, body in found)
 
 
 def adapted(sequence: Sequence, path: Path, *, grip: bool = True) -> Sequence:
@@ -349,8 +358,6 @@ def unknown(source: Source) -> FileError:
             "one. Convert it, for example in Blender: File > Import > FBX, then File > Export > "
             "glTF 2.0 with its animation"
         )
-    if (refusal := sam3d.refusal(source)) is not None:
-        return refusal
     known = "; ".join(
         f"{format.name}: {format.expects}" for format in FORMATS.values() if format.sniff
     )

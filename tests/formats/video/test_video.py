@@ -466,22 +466,6 @@ def test_broken_bytes_end_in_messages(tmp_path, kind):
     broken_bytes_are_refused(write(tmp_path / file, make()))
 
 
-def test_sam_3d_body_names_its_converter(tmp_path):
-    person = {
-        "pred_keypoints_3d": np.zeros((70, 3), np.float32),
-        "pred_joint_coords": np.zeros((127, 3), np.float32),
-        "pred_cam_t": np.zeros(3, np.float32),
-        "mhr_model_params": np.zeros(204, np.float32),
-    }
-    _savez(tmp_path / "a.npz", person)
-    (tmp_path / "b.pkl").write_bytes(pickle.dumps([[person, person], [person]]))
-    (tmp_path / "c.pkl").write_bytes(pickle.dumps({"000001.jpg": [person]}))
-    listed = {key: value.tolist() for key, value in person.items()}
-    (tmp_path / "d.json").write_text(json.dumps({"video_info": {"fps": 30}, "frames": [listed]}))
-    for name in ("a.npz", "b.pkl", "c.pkl", "d.json"):
-        refused(tmp_path / name, "SAM 3D Body.*convert_sam3d_output_to_smplx")
-
-
 def test_nothing_hostile_is_run(tmp_path):
     mark = tmp_path / "was_run"
     data = {"id": np.arange(3), "frame_idx": np.arange(3), "pose": Boom(mark)}

@@ -73,6 +73,11 @@ def branch(places: Array, rest: Array, joint: int, ends: tuple[int, ...]) -> Arr
     pairs = [(joint, end) for end in ends] + [(ends[-1], ends[-2])]
     ours = np.stack([unit_of(rest[b] - rest[a]) for a, b in pairs])
     theirs = np.stack([unit_of(places[:, b] - places[:, a]) for a, b in pairs], axis=1)
+    return rigid(ours, theirs)
+
+
+def rigid(ours: Array, theirs: Array) -> Array:
+    """The rotations (T, 4) of least squares from vectors (n, 3) to others (T, n, 3)."""
     left, _, right = np.linalg.svd(np.einsum("tki,kj->tij", theirs, ours))
     sign = np.linalg.det(left @ right)
     left[:, :, 2] *= sign[:, None]

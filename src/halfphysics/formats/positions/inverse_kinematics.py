@@ -20,7 +20,9 @@ omega_p)``. So the normal equations are a tree: what is below joint j costs a qu
 then all are found from the pelvis to the leaves. The work grows with the number of joints, not
 with its cube.
 
-Joints without a known joint below them (head, hands, toes) keep their parents' rotations.
+Joints without a known joint below them (head, hands, toes) keep their parents' rotations. Marks are
+further points, rigid to a joint (a nose, a heel), that are met in the same way: with them such
+joints turn, too.
 """
 
 from __future__ import annotations
@@ -32,7 +34,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
-from halfphysics.formats.positions.first_guess import first_guess
+from halfphysics.formats.positions.first_guess import first_guess, rigid
 from halfphysics.formats.positions.joint_priors import MEANS, WEIGHTS
 from halfphysics.motion.skeleton import N_JOINTS, PARENTS
 
@@ -51,6 +53,20 @@ _DAMPING = 1e-9
 _CHUNK = 512
 
 
+class Marks(NamedTuple):
+    """Points of the skin that are seen, each rigid to a joint.
+
+    Attributes:
+        joints: The SMPL-X joint of each (m,).
+        offsets: From that joint, at rest (m, 3) [m].
+        seen: Where they are (T, m, 3) [m], in the axes of the positions.
+    """
+
+    joints: tuple[int, ...]
+    offsets: Array
+    seen: Array
+
+
 class Solved(NamedTuple):
     """A motion that meets joint positions.
 
@@ -66,7 +82,11 @@ class Solved(NamedTuple):
 
 
 def solve(
-    positions: Array, joints: Sequence[int], rest: Array, pulls: Array | None = None
+    positions: Array,
+    joints: Sequence[int],
+    rest: Array,
+    pulls: Array | None = None,
+    marks: Marks | None = None,
 ) -> Solved:
     """The rotations with which a body's joints are where they are seen.
 
@@ -75,12 +95,21 @@ def solve(
         joints: Their SMPL-X joints (n,): all of the first 22, and others such as those of fingers.
         rest: Joints of the body at rest (55, 3) [m].
         pulls: Factors w_k of the joints (55,); None: all 1.
+        marks: Points rigid to joints, all of them to `joints`.
     """
-    tree = _Tree(joints, rest)
-    seen = np.empty((len(positions), N_JOINTS, 3))
+    tree = _Tree(joints, rest, marks)
+    seen = np.empty((len(positions), len(tree.parents), 3))
     seen[:, list(joints)] = positions
+    if marks is not None:
+        seen[:, N_JOINTS:] = marks.seen
     world = first_guess(seen, rest)
-    precision = (np.ones(N_JOINTS) if pulls is None else pulls) / _NOISE**2
+    precision = np.ones(len(tree.parents)) / _NOISE**2
+    if pulls is not None:
+        precision[:N_JOINTS] *= pulls
+    for joint in set(() if marks is None else marks.joints):
+        below = tree.children[joint]
+        if len(below) > 1:
+            world[:, joint] = rigid(tree.offsets[below], seen[:, below] - seen[:, [joint]])
     pelvis = np.array(seen[:, 0])
     errors = np.empty(positions.shape[:2])
     for start in range(0, len(positions), _CHUNK):
@@ -98,18 +127,23 @@ def solve(
 
 
 class _Tree:
-    """The joints that are seen, those that turn, and their bones."""
+    """The joints that are seen, then the marks; those that turn, and their bones."""
 
-    def __init__(self, joints: Sequence[int], rest: Array) -> None:
+    def __init__(self, joints: Sequence[int], rest: Array, marks: Marks | None) -> None:
+        self.parents = PARENTS.tolist()
         self.seen = sorted(joints)
-        #: Joints with seen joints below them: these turn.
-        self.inner = sorted({int(PARENTS[j]) for j in self.seen if j})
-        self.children = {j: [c for c in self.seen if PARENTS[c] == j] for j in self.inner}
         self.offsets = rest - rest[np.maximum(PARENTS, 0)]
+        if marks is not None:
+            self.parents += marks.joints
+            self.seen += range(N_JOINTS, len(self.parents))
+            self.offsets = np.concatenate([self.offsets, marks.offsets])
+        #: Joints with something seen below them: these turn.
+        self.inner = sorted({self.parents[j] for j in self.seen if j})
+        self.children = {j: [c for c in self.seen if self.parents[c] == j] for j in self.inner}
 
     def places(self, world: Array, pelvis: Array) -> Array:
-        """Positions (T, 55, 3) [m] of the joints, in those not seen nothing is written."""
-        places = np.empty((*world.shape[:2], 3))
+        """Positions (T, 55 + m, 3) [m], in those not seen nothing is written."""
+        places = np.empty((len(world), len(self.parents), 3))
         places[:, 0] = pelvis
         for joint in self.inner:
             for child in self.children[joint]:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.base import rotations as rot
+from halfphysics.formats.positions.similarity import carried
 from halfphysics.motion.skeleton import JOINT_INDEX, N_JOINTS, SMPLH_JOINTS
 
 Array = NDArray[np.float64]
@@ -83,13 +83,5 @@ def in_order(positions: Array, rest: Array) -> Places:
 
 def _fill(places: Array, rest: Array) -> None:
     """Place what is missing with the chest: the similarity that takes our anchors to the file's."""
-    ours = rest[list(_ANCHORS)]
-    theirs = places[:, list(_ANCHORS)]
-    a, b = ours - ours.mean(axis=0), theirs - theirs.mean(axis=1, keepdims=True)
-    scale = np.sqrt((b**2).sum(axis=(1, 2)) / (a**2).sum())
-    left, _, right = np.linalg.svd(np.einsum("tki,kj->tij", b, a))
-    left[:, :, 2] *= np.linalg.det(left @ right)[:, None]
-    turn = rot.from_matrix(left @ right)
-    for joint in _MISSING:
-        from_middle = rot.rotate(turn, rest[joint] - ours.mean(axis=0))
-        places[:, joint] = theirs.mean(axis=1) + scale[:, None] * from_middle
+    anchors = list(_ANCHORS)
+    places[:, list(_MISSING)] = carried(rest[anchors], places[:, anchors], rest[list(_MISSING)])

@@ -24,7 +24,7 @@ from halfphysics.formats.format import Options, Source
 from halfphysics.formats.motion_builder import motion_of
 from halfphysics.formats.positions.bones import bones_of, change, facing, leg
 from halfphysics.formats.positions.compromise import pulls
-from halfphysics.formats.positions.inverse_kinematics import Solved, solve
+from halfphysics.formats.positions.inverse_kinematics import Marks, Solved, solve
 from halfphysics.formats.positions.layouts import BODY, Places, fps_of, in_order
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
@@ -34,12 +34,15 @@ from halfphysics.simulation.sequence import Sequence
 
 Array = NDArray[np.float64]
 
-#: Bones of the spine, which each model cuts at other places: their lengths against the default
+#: Bones of the trunk, which each model cuts at other places: their lengths against the default
 #: body's, within what a body takes (`body.proportions.RATIOS`).
-_SPINE, _CUT = tuple(JOINT_INDEX[f"spine{k}"] for k in (1, 2, 3)), (0.3, 3.9)
+_TRUNK = tuple(
+    JOINT_INDEX[j] for j in ("spine1", "spine2", "spine3", "left_collar", "right_collar")
+)
+_CUT = (0.3, 3.9)
 #: Legs of people from hip to ankle [m], and units in which they may be written.
 _LEG = (0.35, 1.3)
-_UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 #: Bones of arms and legs that change more than this are none: other joints, or rotations.
 _RIGID = 0.35
 #: A skeleton whose bones differ less than this [m] is the default body's.
@@ -47,7 +50,7 @@ _SAME = 0.003
 #: Where legs differ less than this, relative, feet reach the floor without scaling.
 _NEAR = 0.1
 #: Toes that point so far from where the body faces (a cosine, over the clip) are of a mirror image.
-_BACK = -0.5
+BACK = -0.5
 _SIDES = ("left", "right")
 _HANDS = {"left": skeleton.LEFT_HAND_JOINTS, "right": skeleton.RIGHT_HAND_JOINTS}
 #: Bones that stand for a hand: SMPL's hand joint is a point of the palm, no knuckle.
@@ -118,20 +121,20 @@ def _posed(found: Found, options: Options, format: str, *, own: bool) -> tuple[M
     rest = np.asarray(Body.default().rest_joints)
     places, unit = in_metres(where, in_order(positions, rest))
     said = found.said
-    if facing(places.all) < _BACK:
+    if facing(places.all) < BACK:
         places = places._replace(all=places.all * [-1.0, 1.0, 1.0])
         mirrored = "toes point backwards: taken for a mirror image, x negated"
         said = f"{said}; {mirrored}" if said else mirrored
-    body, scale, same = _body(where, places, own)
+    body, scale, same = body_for(where, places, own)
     scaled = places._replace(all=scale * places.all)
-    solved = _solved(scaled, np.asarray(body.rest_joints), gives_way=not same)
+    solved = solved_for(scaled, np.asarray(body.rest_joints), gives_way=not same)
     fps = fps_of(positions.shape[1]) if found.fps is None else found.fps
     invented = {"rotations": "turns of bones about themselves", "betas": "the shape"}
     if not places.fingers:
         invented["hands"] = "fingers" if places.hands else "hands"
     if found.fps is None and options.fps is None:
         invented["fps"] = f"the rate ({fps:g} fps)"
-    lines = [said, f"joint positions put on {_described(body, scale)}"]
+    lines = [said, f"joint positions put on {described(body, scale)}"]
     lines += ["" if unit == "m" else f"unit {unit}"]
     lines += [f"met to {1e3 * float(solved.errors.mean()):.0f} mm"]
     lines += [f"not in the file: {', '.join(invented.values())}"]
@@ -152,11 +155,23 @@ def _posed(found: Found, options: Options, format: str, *, own: bool) -> tuple[M
     return motion, body
 
 
-def _body(where: str, places: Places, own: bool) -> tuple[Body, float, bool]:
-    """The body that is moved, the factor on the places for it, and whether it has their bones."""
+def body_for(
+    where: str, places: Places, own: bool, bones: Array | None = None
+) -> tuple[Body, float, bool]:
+    """The body that is moved, the factor on the places for it, and whether it has their bones.
+
+    Args:
+        where: Name in messages.
+        places: In metres.
+        own: Whether the body has the skeleton's bones; else it is the default body.
+        bones: These bones (55, 3) [m]; None: by `bones_of` with the default body's directions.
+
+    Raises:
+        FileError: Nobody has such bones.
+    """
     body = Body.default()
     rest = np.asarray(body.rest_joints)
-    bones = bones_of(places.all, rest)
+    bones = bones_of(places.all, rest) if bones is None else np.array(bones)
     if not places.fingers:
         bones[len(BODY) :] = np.nan
     offsets = rest - rest[np.maximum(skeleton.PARENTS, 0)]
@@ -169,10 +184,10 @@ def _body(where: str, places: Places, own: bool) -> tuple[Body, float, bool]:
 
 
 def _plausible(where: str, bones: Array, offsets: Array, rest: Array) -> Array:
-    """Bones (55, 3) that a person may have; those of a spine that is cut otherwise are limited."""
+    """Bones (55, 3) that a person may have; those of a trunk that is cut otherwise are limited."""
     lengths = np.linalg.norm(bones, axis=1)
     own = np.linalg.norm(offsets, axis=1)
-    for joint in _SPINE:
+    for joint in _TRUNK:
         limited = float(np.clip(lengths[joint], _CUT[0] * own[joint], _CUT[1] * own[joint]))
         way = bones[joint] / lengths[joint] if lengths[joint] > 0.0 else offsets[joint] / own[joint]
         bones[joint] = limited * way
@@ -188,33 +203,46 @@ def scale_for(length: float) -> float:
     return ratio if abs(ratio - 1.0) > _NEAR else 1.0
 
 
-def _described(body: Body, scale: float) -> str:
+def described(body: Body, scale: float) -> str:
+    """The body and the factor of `body_for` in words."""
     if body.given_bones is not None:
         return f"the default body with the skeleton's bones ({body.stature:.2f} m)"
     return "the default body" + ("" if scale == 1.0 else f", all scaled by {scale:.3f}")
 
 
-def in_metres(where: str, places: Places) -> tuple[Places, str]:
+def in_metres(
+    where: str, places: Places, order: str = "SMPL (or KIT for 21 joints)"
+) -> tuple[Places, str]:
     """The same in metres, and the unit of the file, by the length of the legs.
+
+    Args:
+        where: Name in messages.
+        places: In the unit of the file.
+        order: The skeletons whose order the file may have, in messages.
 
     Raises:
         FileError: These are no joints of a person in this order.
     """
     length, varied = leg(places.all), change(places.all)
-    unit = next((u for u, s in _UNITS.items() if _LEG[0] < s * length < _LEG[1]), None)
+    unit = next((u for u, s in UNITS.items() if _LEG[0] < s * length < _LEG[1]), None)
     if unit is None or varied > _RIGID:
         found = f"legs of {length:.3g}" if unit is None else f"bones that change by {varied:.0%}"
         raise FileError(
             f"{where}: no joint positions of a person: found {found}, expected legs of "
-            f"{_LEG[0]:g} to {_LEG[1]:g} m and rigid bones, in the order of SMPL (or KIT for 21 "
-            "joints). Are these rotations, normalized values (un-normalize them with Mean and "
-            "Std), or joints of another skeleton?"
+            f"{_LEG[0]:g} to {_LEG[1]:g} m and rigid bones, in the order of {order}. Are "
+            "these rotations, normalized values (un-normalize them with Mean and Std), or joints "
+            "of another skeleton?"
         )
-    return places._replace(all=_UNITS[unit] * places.all), unit
+    return places._replace(all=UNITS[unit] * places.all), unit
 
 
-def _solved(places: Places, rest: Array, *, gives_way: bool) -> Solved:
-    """The rotations for places on a body with joints `rest`; fingers where the file has them."""
+def solved_for(
+    places: Places, rest: Array, marks: Marks | None = None, *, gives_way: bool = False
+) -> Solved:
+    """The rotations for places on a body with joints `rest`; fingers where the file has them.
+
+    `gives_way`: joints that cannot be met pull less (`compromise`). Places with tips of fingers in the rows of `fingers_from_joints` turn the last joints, too.
+    """
     seen, rest = list(BODY), np.array(rest)
     if places.fingers:
         seen += [joint for joints in _KNUCKLES.values() for joint in joints]
@@ -227,7 +255,8 @@ def _solved(places: Places, rest: Array, *, gives_way: bool) -> Solved:
             way = rest[palm] - rest[wrist]
             rest[palm] = rest[wrist] + way * length / np.linalg.norm(way)
     given = places.all[:, seen]
-    solved = solve(given, seen, rest, pulls(given, seen, rest) if gives_way else None)
+    weights = pulls(given, seen, rest) if gives_way else None
+    solved = solve(given, seen, rest, weights, marks)
     if places.fingers:
         turns = world_turns(solved.rotations)
         for side, joints in _HANDS.items():

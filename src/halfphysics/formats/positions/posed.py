@@ -241,7 +241,8 @@ def solved_for(
 ) -> Solved:
     """The rotations for places on a body with joints `rest`; fingers where the file has them.
 
-    `gives_way`: joints that cannot be met pull less (`compromise`). Places with tips of fingers in the rows of `fingers_from_joints` turn the last joints, too.
+    `gives_way`: joints that cannot be met pull less (`compromise`). Places with tips of fingers in
+    the rows of `fingers_from_joints` turn the last joints, too.
     """
     seen, rest = list(BODY), np.array(rest)
     if places.fingers:

@@ -1,9 +1,9 @@
 """Convex decomposition of a mesh for contact: by coacd, cached by content, with a measured error.
 
-A mesh is divided into its connected solids first, with holes bridged as for every query about the
-inside of a mesh. A solid that is convex to within the tolerance is kept: a table of boxes needs no
-decomposition. The others go to coacd (`solid_cutting`). What takes longer than a moment says so in
-a line on standard error, and is kept on the disk for the next time (`piece_cache`).
+A mesh is divided into its connected solids first (`mesh_parts`). A solid that is convex to within
+the tolerance is kept: a table of boxes needs no decomposition. The others go to coacd
+(`solid_cutting`). What takes longer than a moment says so in a line on standard error, and is kept
+on the disk for the next time (`piece_cache`).
 """
 
 from __future__ import annotations
@@ -17,8 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.errors import InputError
-from halfphysics.geometry import mesh_queries, piece_cache
+from halfphysics.geometry import piece_cache
 from halfphysics.geometry.mesh import Mesh
+from halfphysics.geometry.mesh_parts import signed_volume, solids_of
 from halfphysics.geometry.piece_error import PieceError, piece_error
 from halfphysics.geometry.solid_cutting import pieces_of
 
@@ -32,11 +33,9 @@ WARN_MM = 5.0
 #: its longest extent.
 _FULL, _SEAMS = 1.03, 0.02
 #: A change of how pieces are made or measured: kept ones of another number are not used.
-_VERSION = 5
+_VERSION = 6
 #: Cutting fewer triangles takes a moment, of which nothing is said.
 _SAID = 1_000
-#: More solids than this are cut as one.
-_MOST_SOLIDS = 64
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,7 +87,7 @@ def judged(mesh: Mesh, pieces: Sequence[Mesh]) -> Decomposition:
 
 def _outward(mesh: Mesh) -> Mesh:
     """The mesh, turned right side out where it is closed and the wrong one."""
-    if mesh.closed and _signed_volume(mesh) < 0.0:
+    if mesh.closed and signed_volume(mesh) < 0.0:
         return Mesh(mesh.vertices, mesh.faces[:, ::-1])
     return mesh
 
@@ -135,9 +134,9 @@ def checked_pieces(what: str, given: Sequence[object]) -> list[Mesh]:
 
 
 def _pieces(mesh: Mesh, cut: Cut) -> list[Mesh]:
-    solids = _solids(mesh)
+    solids = solids_of(mesh, cut.threshold)
     most = cut.max_pieces
-    if len(solids) > (_MOST_SOLIDS if most is None else min(most, _MOST_SOLIDS)):
+    if most is not None and len(solids) > most:
         solids = [mesh]
     hulls = [_hull_that_fits(solid, cut.threshold) for solid in solids]
     ragged = sum(hull is None for hull in hulls)
@@ -166,55 +165,6 @@ def _progress(triangles: int) -> Any:
         unit=" triangles",
         disable=triangles < _SAID,
     )
-
-
-def _solids(mesh: Mesh) -> list[Mesh]:
-    """Connected parts, holes bridged; the mesh itself where one of them is a hollow."""
-    faces = mesh.faces
-    of_face = _sheets(faces)
-    parts = [Mesh(mesh.vertices, faces[of_face == k]) for k in np.unique(of_face)]
-    if mesh.closed and not all(part.closed for part in parts):
-        # Solids that share all edges of a face: divide connected parts instead of sheets.
-        links = np.concatenate([faces[:, :2], faces[:, 1:]])
-        of_face = mesh_queries.components(len(mesh.vertices), links)[faces[:, 0]]
-        parts = [Mesh(mesh.vertices, faces[of_face == k]) for k in np.unique(of_face)]
-    solids = [_bridged(part) for part in parts]
-    if any(s.closed and _signed_volume(s) <= 0.0 for s in solids):
-        return [mesh]
-    return solids
-
-
-def _sheets(faces: NDArray[np.integer]) -> NDArray[np.int32]:
-    """Label (F,) of the surface every face is in: solids that share a corner or an edge are two."""
-    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
-    _, which, count = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
-    which = which.reshape(-1)
-    order = np.argsort(which, kind="stable")
-    twice = np.repeat(count == 2, count)
-    pairs = (order % len(faces))[twice].reshape(-1, 2)
-    return mesh_queries.components(len(faces), pairs)
-
-
-def _bridged(part: Mesh) -> Mesh:
-    """An open part with fans over its holes, as point queries have it."""
-    if part.closed:
-        return part
-    n = len(part.vertices)
-    rim = mesh_queries.boundary_edges(part.faces, n)
-    rims = mesh_queries.components(n, rim)
-    used, rank = np.unique(rims[rim[:, 0]], return_inverse=True)
-    apex = np.zeros((len(used), 3))
-    np.add.at(apex, rank, 0.5 * (part.vertices[rim[:, 0]] + part.vertices[rim[:, 1]]))
-    apex /= np.bincount(rank)[:, None]
-    fans = np.stack([rim[:, 1], rim[:, 0], n + rank], axis=1)
-    return Mesh(
-        np.concatenate([part.vertices, apex]), np.concatenate([part.faces, fans.astype(np.int32)])
-    )
-
-
-def _signed_volume(mesh: Mesh) -> float:
-    a, b, c = np.moveaxis(mesh.vertices[mesh.faces] - mesh.vertices[0], 1, 0)
-    return float(np.einsum("fi,fi->", a, np.cross(b, c))) / 6.0
 
 
 def _hull_that_fits(solid: Mesh, threshold: float) -> Mesh | None:

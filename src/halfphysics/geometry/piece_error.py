@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,8 +49,12 @@ class Hull:
         planes = np.unique(np.round(ConvexHull(piece.vertices).equations, 12), axis=0)
         self.normals, self.offsets = planes[:, :3], planes[:, 3]
         self.low, self.high = piece.vertices.min(axis=0), piece.vertices.max(axis=0)
-        self.corners = piece.vertices
-        self.query = MeshQuery(piece.vertices, piece.faces)
+        self.corners, self._faces = piece.vertices, piece.faces
+
+    @cached_property
+    def query(self) -> MeshQuery:
+        """Distances to its surface; built when first asked for."""
+        return MeshQuery(self.corners, self._faces)
 
     def holds(self, points: Array) -> NDArray[np.bool_]:
         """Whether points (n, 3) are inside or on it."""
@@ -118,12 +123,21 @@ def _millimetres(metres: float) -> float:
 
 
 def _covered(hulls: Sequence[Hull], points: Array) -> NDArray[np.bool_]:
-    """Whether points (n, 3) are in the union."""
+    """Whether points (n, 3) are in the union.
+
+    Each hull is asked about the points between its ends along x, all of which are in one slice.
+    """
+    order = np.argsort(points[:, 0], kind="stable")
+    along = points[order]
     found = np.zeros(len(points), dtype=bool)
-    for hull in hulls:
-        open_ = np.flatnonzero(~found)
-        found[open_] = hull.holds(points[open_])
-    return found
+    starts = np.searchsorted(along[:, 0], [hull.low[0] - _ON for hull in hulls], side="left")
+    ends = np.searchsorted(along[:, 0], [hull.high[0] + _ON for hull in hulls], side="right")
+    for hull, start, end in zip(hulls, starts, ends, strict=True):
+        open_ = start + np.flatnonzero(~found[start:end])
+        found[open_] = hull.holds(along[open_])
+    result = np.empty_like(found)
+    result[order] = found
+    return result
 
 
 def _lattice(low: Array, high: Array) -> tuple[Array, float]:

@@ -115,7 +115,7 @@ def _cut(coacd: object, surface: Mesh, threshold: float, most: int, *, clean: bo
         threshold=min(max(threshold / _half(surface), _LEAST), _MOST),
         max_convex_hull=most,
         preprocess_mode="off" if clean or is_manifold(surface.faces) else "auto",
-        # Merging joins few pieces for as much time as the cuts took; a limit is kept by it alone.
+        # Merging takes as long as the cuts and mostly joins few; a limit is kept by it alone.
         merge=most > 0,
         seed=0,
         **_SEARCH,

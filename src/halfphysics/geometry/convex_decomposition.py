@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from halfphysics.errors import InputError
 from halfphysics.geometry import piece_cache
 from halfphysics.geometry.mesh import Mesh
-from halfphysics.geometry.mesh_parts import signed_volume, solids_of
+from halfphysics.geometry.mesh_parts import bridged, signed_volume, solids_of
 from halfphysics.geometry.piece_error import PieceError, piece_error
 from halfphysics.geometry.solid_cutting import pieces_of
 
@@ -33,7 +33,7 @@ WARN_MM = 5.0
 #: its longest extent.
 _FULL, _SEAMS = 1.03, 0.02
 #: A change of how pieces are made or measured: kept ones of another number are not used.
-_VERSION = 6
+_VERSION = 7
 #: Cutting fewer triangles takes a moment, of which nothing is said.
 _SAID = 1_000
 
@@ -81,8 +81,9 @@ def decompose(mesh: Mesh, cut: Cut) -> Decomposition:
 
 
 def judged(mesh: Mesh, pieces: Sequence[Mesh]) -> Decomposition:
-    """Pieces with their error against the mesh."""
-    return Decomposition(pieces=tuple(pieces), **asdict(piece_error(_outward(mesh), pieces)))
+    """Pieces with their error against the mesh, whose holes are closed as for cutting it."""
+    whole = bridged(_outward(mesh))
+    return Decomposition(pieces=tuple(pieces), **asdict(piece_error(whole, pieces)))
 
 
 def _outward(mesh: Mesh) -> Mesh:

@@ -45,6 +45,25 @@ def solids_of(mesh: Mesh, thickness: float) -> list[Mesh]:
         mesh: Outward triangles, closed or not.
         thickness: Of the plates that stand for flat sheets [m].
     """
+    solids: list[Mesh] = []
+    for part, flat in _divided(mesh):
+        solids += _plates(part, thickness) if flat else [part]
+    return [mesh] if len(solids) > MOST_SOLIDS else solids
+
+
+def bridged(mesh: Mesh) -> Mesh:
+    """The same surface with the holes of its solids closed, as `solids_of` closes them."""
+    parts = [part for part, _ in _divided(mesh)]
+    starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
+    faces = [part.faces + start for part, start in zip(parts, starts[:-1], strict=True)]
+    vertices = np.concatenate([part.vertices for part in parts])
+    return mesh if parts[0] is mesh else Mesh(vertices, np.concatenate(faces))
+
+
+def _divided(mesh: Mesh) -> list[tuple[Mesh, bool]]:
+    """Parts with their holes closed, and whether each is a lone flat sheet, which is as it was;
+    the mesh alone where they cannot be told apart."""
+    whole = [(mesh, False)]
     faces = mesh.faces
     of_face = _sheets(faces)
     parts = [Mesh(mesh.vertices, faces[of_face == k]) for k in np.unique(of_face)]
@@ -54,20 +73,16 @@ def solids_of(mesh: Mesh, thickness: float) -> list[Mesh]:
         of_face = mesh_queries.components(len(mesh.vertices), links)[faces[:, 0]]
         parts = [Mesh(mesh.vertices, faces[of_face == k]) for k in np.unique(of_face)]
     if len(parts) > MOST_SOLIDS:
-        return [mesh]
+        return whole
     flat = [not part.closed and _is_flat(part) for part in parts]
     if all(flat):
-        return [mesh]
-    solids = []
+        return whole
     for k, part in enumerate(parts):
-        if not flat[k]:
-            solids.append(_bridged(part))
-        elif _is_alone(part, [other for other in parts if other is not part]):
-            solids += _plates(part, thickness)
-        else:
-            return [mesh]
-    hollow = any(s.closed and signed_volume(s) <= 0.0 for s in solids)
-    return [mesh] if hollow or len(solids) > MOST_SOLIDS else solids
+        if flat[k] and not _is_alone(part, [other for other in parts if other is not part]):
+            return whole
+    made = [(part if f else _bridged(part), f) for part, f in zip(parts, flat, strict=True)]
+    hollow = any(not f and part.closed and signed_volume(part) <= 0.0 for part, f in made)
+    return whole if hollow else made
 
 
 def signed_volume(mesh: Mesh) -> float:

@@ -105,10 +105,10 @@ def _write(people: Mapping[str, Written], path: Path) -> None:
         name: rot.rotvec_to_matrix(person.smpl().reshape(len(person.frames), JOINTS, 3))
         for name, person in people.items()
     }
-    last = max(int(person.frames[-1]) for person in people.values())
+    numbers = sorted({int(number) for person in people.values() for number in person.frames})
     content: dict[str, dict[str, Any]] = {
         f"img/{number:06d}.jpg": {"time": number, "tid": [], "smpl": [], "camera": []}
-        for number in range(last + 1)
+        for number in numbers
     }
     for k, (name, person) in enumerate(people.items()):
         for row, number in enumerate(person.frames):

@@ -72,6 +72,22 @@ def test_a_mistake_is_one_message(clip, tmp_path, capsys, arguments, words, monk
     assert list(tmp_path.iterdir()) == [clip]
 
 
+def test_numbered_files_do_not_overwrite_what_was_read(tmp_path, capsys):
+    body = hp.Body.default()
+    translation, rotations = floating(standing(), body).rebased(body, "y").in_file_axes()
+    people = [
+        Person(name, np.arange(len(translation)), translation + np.array([x, 0, 0]), rotations)
+        for name, x in (("3", 0.0), ("8", 1.5))
+    ]
+    source = files.joblib_file(tmp_path / "ow_1.pkl", files.wham_data(people))
+    before = source.read_bytes()
+    out = tmp_path / "ow.pkl"
+    assert main(["fix", str(source), "--out", str(out), "--format", "gvhmr"]) == 2
+    assert "ow_1.pkl: this is the input" in capsys.readouterr().err
+    assert source.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [source]
+
+
 def test_people_of_a_video_go_back_into_one_file(tmp_path, capsys):
     body = hp.Body.default()
     high = floating(standing(), body).rebased(body, "y")

@@ -12,7 +12,7 @@ import halfphysics as hp
 from halfphysics.base import rotations as rot
 from halfphysics.base import torch_file
 from halfphysics.errors import InputError
-from halfphysics.formats import FORMATS, save_people, writer_of
+from halfphysics.formats import FORMATS, losses, save_people, writer_of
 from support.files import position_files
 from support.files import video_files as files
 from support.files.dumps import torch_dict
@@ -116,6 +116,25 @@ def test_axes_between_those_of_files_are_turned_upright(motion, tmp_path):
     tilted.save(tmp_path / "a.pkl")
     back, body = hp.Motion.load(tmp_path / "a.pkl"), hp.Body.default()
     assert np.abs(body.vertices(back) - body.vertices(tilted)).max() < 1e-9
+
+
+def test_pickles_are_for_every_numpy(motion, tmp_path):
+    """numpy 2 names its core so that numpy 1, with which estimators run, finds nothing."""
+    for name, format in (("a.pkl", "wham"), ("b.npz", "romp"), ("c.npy", "mdm")):
+        motion.save(tmp_path / name, format=format, body=hp.Body.default())
+        raw = (tmp_path / name).read_bytes()
+        assert b"numpy.core.multiarray" in raw
+        assert b"numpy._core" not in raw
+
+
+def test_bones_of_a_person_are_said_to_be_lost(motion, tmp_path):
+    bones = np.full((55, 3), np.nan)
+    bones[4] = [0.0, -0.5, 0.0]
+    body = hp.Body.default(bones=bones)
+    told = [line for line in losses(motion, tmp_path / "a.npz", body=body) if "own bones" in line]
+    assert len(told) == 1
+    assert not any("bones (" in line for line in losses(motion, tmp_path / "a.bvh", body=body))
+    assert losses(motion, tmp_path / "a.npz", body=hp.Body.default()) == []
 
 
 def test_three_people_do_not_fit_a_file_of_two(motion, tmp_path):

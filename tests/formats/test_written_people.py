@@ -13,8 +13,10 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.base import torch_file
-from halfphysics.formats import losses, save_people
+from halfphysics.base.axes import axes_of
+from halfphysics.formats import FORMATS, Source, losses, save_people
 from halfphysics.motion import skeleton
+from halfphysics.motion.file_metadata import FileMetadata
 from support.files import video_files as files
 from support.files.dumps import torch_dict
 from support.files.video_files import two
@@ -176,6 +178,67 @@ def test_mcs(tmp_path):
             same(stored["bodyTranslation"], who.translation)
             same(stored["bodyPose"], who.rotations[:, :22])
             assert stored["frameRate"] == 25.0
+
+
+@pytest.mark.parametrize("format", ["wham", "prompthmr", "phalp", "comotion", "romp"])
+@pytest.mark.parametrize("names", [("1", "x"), ("007", "7"), ("x", "1"), ("1000000", "1234567")])
+def test_nobody_is_lost_for_a_name(tmp_path, format, names):
+    """Names that are no numbers get one that nobody has; numbers stay."""
+    people = []
+    for name, who in zip(names, two(22), strict=True):
+        own = FileMetadata(format=format, fields={"track": name})
+        motion = hp.Motion(who.translation, who.rotations, 30.0, axes=axes_of("-y"), origin=own)
+        people.append(motion)
+    suffix = FORMATS[format].suffixes[0]
+    (path,) = save_people(people, tmp_path / f"a{suffix}", [None, None], format=format)
+    found = [track.name for track in FORMATS[format].people(Source(path))]
+    assert len(found) == 2
+    kept = [str(int(name)) for name in names if name.isdecimal()]
+    assert set(kept) <= set(found)
+
+
+def test_a_slahmr_file_beside_the_original_is_read_whole(tmp_path):
+    """The tracks of the original are of other frames."""
+    people = [files.person(name, np.arange(14), seed, 22) for seed, name in enumerate("12", 1)]
+    np.savez(tmp_path / "a_world_results.npz", **files.slahmr_data(people))
+    seen = {"vis_mask": [0] * 4 + [1] * 10}
+    tracks = {"007": {"index": 0, **seen}, "8": {"index": 1, **seen}}
+    info = {"tracks": tracks, "meta": {"data_interval": [0, 14]}}
+    (tmp_path / "track_info.json").write_text(json.dumps(info))
+    motion = hp.Motion.load(tmp_path / "a_world_results.npz", clip="007", frames=(2, 9))
+    motion.save(tmp_path / "out.npz")
+    back, body = hp.Motion.load(tmp_path / "out.npz"), hp.Body.default()
+    assert np.abs(body.vertices(back) - body.vertices(motion)).max() < 1e-5
+
+
+def test_a_slahmr_file_without_its_floor_comes_back_where_it_was(tmp_path):
+    who = files.person("1", np.arange(14), 1, 22)
+    np.savez(tmp_path / "a_world_results.npz", **files.slahmr_data([who]))
+    motion = hp.Motion.load(tmp_path / "a_world_results.npz", up="-y")
+    motion.save(tmp_path / "out.npz")
+    with np.load(tmp_path / "out.npz") as stored:
+        assert "floor_plane" not in stored
+    back, body = hp.Motion.load(tmp_path / "out.npz", up="-y"), hp.Body.default()
+    assert np.abs(body.vertices(back) - body.vertices(motion)).max() < 1e-5
+
+
+def test_hips_are_those_with_which_the_file_is_read(tmp_path):
+    """Whatever body moved so."""
+    source = files.joblib_file(tmp_path / "wham_output.pkl", files.wham_data(two(22)))
+    motion = hp.Motion.load(source, clip="8")
+    motion.save(tmp_path / "out.pkl", body=hp.Body.default(stature=1.9))
+    back = hp.Motion.load(tmp_path / "out.pkl")
+    assert np.abs(back.translation - motion.translation).max() < SINGLE
+
+
+def test_centimetres_are_written_as_metres(tmp_path):
+    """Raised, they would be no centimetres any more to whoever reads them."""
+    (who, _) = two(22)
+    own = FileMetadata(format="prompthmr", fields={"unit": 0.01})
+    motion = hp.Motion(who.translation, who.rotations, 30.0, axes=axes_of("y"), origin=own)
+    motion.save(tmp_path / "a.pkl")
+    (person,) = content(tmp_path / "a.pkl")["people"].values()
+    same(person["smplx_world"]["trans"], motion.in_file_axes()[0])
 
 
 def test_frames_that_were_cut_keep_their_numbers(tmp_path):

@@ -14,6 +14,8 @@ import zlib
 from pathlib import Path
 from typing import IO, Any
 
+import numpy as np
+
 from halfphysics.base import restricted_pickle, torch_file
 from halfphysics.base.atomic import atomic_write
 from halfphysics.base.npy import Npy
@@ -24,6 +26,8 @@ from halfphysics.errors import FileError
 #: Pickles of protocol 2 and later begin so; earlier ones are recognised by the file's name.
 _PROTOCOL = b"\x80"
 _SUFFIXES = (".pkl", ".pickle", ".p", ".joblib", ".pt", ".pth")
+#: How protocol 3 names a function of numpy's core, in numpy 2 and in all.
+_NEW_NAME, _OLD_NAME = b"cnumpy._core.multiarray\n", b"cnumpy.core.multiarray\n"
 _ZIP, _NPY, _LZ4 = b"PK", b"\x93NUMPY", b"\x04\x22M\x18"
 #: The first bytes of a BVH file, and those that may precede them.
 _BVH, _BLANK = b"HIERARCHY", b"\xef\xbb\xbf \t\r\n"
@@ -133,4 +137,17 @@ def write(path: Path, data: Any) -> None:
         FileError: The folder is missing or cannot be written; nothing is left behind.
     """
     with atomic_write(path) as handle:
-        pickle.dump(data, handle, protocol=4)
+        handle.write(dumps(data))
+
+
+def write_object_array(handle: IO[bytes], data: Any) -> None:
+    """Write what `numpy.save` writes of an object: an array of no dimensions around it."""
+    array = np.asarray(data, dtype=object)
+    header = {"descr": "|O", "fortran_order": False, "shape": array.shape}
+    np.lib.format.write_array_header_1_0(handle, header)
+    handle.write(dumps(array))
+
+
+def dumps(data: Any) -> bytes:
+    """A pickle that every numpy reads: numpy 2 names its module so that older ones have none."""
+    return pickle.dumps(data, protocol=3).replace(_NEW_NAME, _OLD_NAME)

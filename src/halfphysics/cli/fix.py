@@ -65,7 +65,7 @@ class Command:
 
     def run(self) -> None:
         """Fix, print what was done, write."""
-        from halfphysics.formats import writer_of
+        from halfphysics.formats import files_of, writer_of
         from halfphysics.repair.repair import fix
 
         inputs = (self.motion, self.scene.scene, self.person.body)
@@ -80,6 +80,8 @@ class Command:
         if self.out is not None:
             for motion in sequence.motions:
                 writer_of(motion, self.out, self.format)  # before the work
+            for path in files_of(sequence.motions, self.out, self.format):
+                check_output(path, *inputs)
         bodies = [body for body in sequence.bodies if body is not None]
         scene = self.scene.load() if self.scene.given else None
         repair = fix(
@@ -117,7 +119,11 @@ class Command:
 
         motions = repair.motions
         paths = save_people(motions, out, bodies, format=self.format)
-        lost = [line for motion in motions for line in losses(motion, out, self.format)]
+        lost = [
+            line
+            for motion, body in zip(motions, bodies, strict=True)
+            for line in losses(motion, out, self.format, body)
+        ]
         for loss in dict.fromkeys(lost):
             print(f"not in the file: {loss}")
         for path in paths:

@@ -17,13 +17,14 @@ if TYPE_CHECKING:
         load_sequence,
         unknown,
     )
-    from halfphysics.formats.saving import losses, save_motion, save_people, writer_of
+    from halfphysics.formats.saving import files_of, losses, save_motion, save_people, writer_of
 
 __all__ = [
     "FORMATS",
     "Format",
     "Options",
     "Source",
+    "files_of",
     "identify",
     "load_motion",
     "load_sequence",
@@ -34,7 +35,7 @@ __all__ = [
     "writer_of",
 ]
 
-_SAVING = {"losses", "save_motion", "save_people", "writer_of"}
+_SAVING = {"files_of", "losses", "save_motion", "save_people", "writer_of"}
 
 
 def __getattr__(name: str) -> Any:

@@ -124,7 +124,7 @@ def tracked(
 
     def save(motions: Listing[Motion], path: Path, bodies: Listing[Body | None]) -> None:
         assert write is not None
-        write(written(motions, bodies, name), path)
+        write(written(motions, name), path)
 
     return Format(
         name=name,
@@ -156,7 +156,8 @@ def grouped(ids: Array) -> dict[str, NDArray[np.intp]]:
     names, inverse = np.unique(ids, return_inverse=True)
     order = np.argsort(inverse, kind="stable")
     ends = np.cumsum(np.bincount(inverse, minlength=len(names)))
-    return {f"{name:g}": rows for name, rows in zip(names, np.split(order, ends[:-1]), strict=True)}
+    said = [str(int(name)) if name % 1 == 0 else f"{name:g}" for name in names]
+    return dict(zip(said, np.split(order, ends[:-1]), strict=True))
 
 
 def files_in(folder: Path, pattern: re.Pattern[str]) -> list[tuple[re.Match[str], Path]]:

@@ -201,5 +201,7 @@ class Format:
     up: str | None = "z"
     #: Whether its files hold the joints of a body, so that `save` needs one.
     needs_body: bool = False
+    #: Whether its files tell the bones of the person: of others only the motion comes back.
+    tells_bones: bool = False
     #: The parts of a motion that a file of this format cannot hold, one line each.
     loses: Callable[[Motion], tuple[str, ...]] = nothing

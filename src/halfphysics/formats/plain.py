@@ -153,7 +153,7 @@ def _save(motions: Listing[Motion], path: Path, bodies: Listing[Body | None]) ->
         m if _axis(m) is not None else m.rebased(body or Body.default(), "z")
         for m, body in zip(motions, bodies, strict=True)
     ]
-    people = written(known, bodies, NAME)
+    people = written(known, NAME)
     content: dict[str, Any] = {name: _fields(person) for name, person in people.items()}
     if len(content) == 1:
         content = next(iter(content.values()))

@@ -23,7 +23,7 @@ from halfphysics.motion.motion import Motion
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
 
-__all__ = ["losses", "save_motion", "save_people", "writer_of"]
+__all__ = ["files_of", "losses", "save_motion", "save_people", "writer_of"]
 
 #: Model -> format in which a motion without a file is written.
 _BY_MODEL = {
@@ -73,19 +73,34 @@ def save_people(
         placed = [_placed(m, writer, b) for m, b in zip(motions, bodies, strict=True)]
         writer.save_people(placed, path, bodies)
         return [path]
-    several = len(motions) > 1
-    paths = []
-    for k, (motion, body) in enumerate(zip(motions, bodies, strict=True)):
-        own = path.with_name(f"{path.stem}_{k + 1}{path.suffix}") if several else path
+    paths = files_of(motions, path, format)
+    for motion, own, body in zip(motions, paths, bodies, strict=True):
         save_motion(motion, own, format=writer.name, body=body)
-        paths.append(own)
     return paths
 
 
-def losses(motion: Motion, path: str | os.PathLike[str], format: str | None = None) -> list[str]:
-    """The parts of a motion that the file of `save_motion` cannot hold, one line each."""
+def files_of(motions: Listing[Motion], path: Path, format: str | None) -> list[Path]:
+    """The files that `save_people` writes."""
+    if len(motions) == 1 or writer_of(motions[0], path, format).save_people is not None:
+        return [path]
+    return [path.with_name(f"{path.stem}_{k + 1}{path.suffix}") for k in range(len(motions))]
+
+
+def losses(
+    motion: Motion,
+    path: str | os.PathLike[str],
+    format: str | None = None,
+    body: Body | None = None,
+) -> list[str]:
+    """The parts of a motion, and of its body, that the file of `save_motion` cannot hold, one line
+    each."""
     writer = writer_of(motion, file_path(path), format)
     lost = list(writer.loses(motion))
+    if body is not None and body.given_bones is not None and not writer.tells_bones:
+        lost.append(
+            f"the person's own bones (stature {body.stature:.2f} m): on another body feet are "
+            "higher or lower (a result file keeps the body)"
+        )
     metadata = motion.origin
     template = None if metadata is None else metadata.fields.get("template")
     if motion.holds:
@@ -102,7 +117,7 @@ def writer_of(motion: Motion, path: Path, format: str | None) -> Format:
         InputError: The format is unknown or read-only.
     """
     if format is not None and (not isinstance(format, str) or format not in FORMATS):
-        raise InputError(f"format: found {format!r}, expected one of {', '.join(FORMATS)}")
+        raise InputError(f"format: found {format!r}, expected one of {_writable()}")
     writer = _by_suffix(motion, path) if format is None else FORMATS[format]
     _saving(writer)  # raises InputError for a read-only format
     return writer
@@ -111,9 +126,12 @@ def writer_of(motion: Motion, path: Path, format: str | None) -> Format:
 def _saving(writer: Format) -> Callable[[Motion, Path, Body | None], None]:
     """The function that writes files of a format; raises InputError if it is read-only."""
     if writer.save is None:
-        writable = ", ".join(name for name, known in FORMATS.items() if known.save)
-        raise InputError(f"format: '{writer.name}' can only be read, expected one of {writable}")
+        raise InputError(f"format: '{writer.name}' can only be read, expected one of {_writable()}")
     return writer.save
+
+
+def _writable() -> str:
+    return ", ".join(name for name, known in FORMATS.items() if known.save)
 
 
 def _by_suffix(motion: Motion, path: Path) -> Format:

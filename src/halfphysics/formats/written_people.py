@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import itertools
+from collections.abc import Callable, Mapping
 from collections.abc import Sequence as Listing
 from dataclasses import dataclass
 
@@ -25,6 +26,9 @@ from halfphysics.motion.motion import Motion
 
 Array = NDArray[np.float64]
 
+#: Numbers of people stay below this: files keep them in 32 bits.
+_MOST = 2**31
+
 
 @dataclass(frozen=True, eq=False)
 class Written:
@@ -34,7 +38,7 @@ class Written:
         frames: Numbers (T,) of the frames, from the one in which the person was first seen.
         translation: (T, 3) [m].
         rotations: Axis-angle (T, 55, 3) [rad].
-        rest: Joints (55, 3) of the body at rest.
+        rest: Joints (55, 3) at rest of the body that readers of the file take.
         motion: The motion that is written.
     """
 
@@ -58,18 +62,31 @@ class Written:
         return out
 
 
-def written(
-    motions: Listing[Motion], bodies: Listing[Body | None], format: str
-) -> dict[str, Written]:
-    """People by name: those of their file, else numbers."""
+def written(motions: Listing[Motion], format: str) -> dict[str, Written]:
+    """People by name: those of their file, else numbers; in metres, whatever their file had."""
     people: dict[str, Written] = {}
-    for motion, body in zip(motions, bodies, strict=True):
+    for motion in motions:
         translation, rotations, fields = file_parameters(motion, format)
         name = own_name(str(fields.get("track", len(people))), people)
         frames = int(fields.get("first", 0)) + np.arange(len(motion))
-        rest = np.asarray((body or Body.default()).rest_joints)
-        people[name] = Written(frames, translation, rotations, rest, motion)
+        rest = np.asarray(fields.get("rest", Body.default().rest_joints))
+        metres = fields.get("unit", 1.0) * translation
+        people[name] = Written(frames, metres, rotations, rest, motion)
     return people
+
+
+def numbers_of(people: Mapping[str, Written]) -> dict[str, int]:
+    """A number for each person, by name: the name where it is one, and where no other has it."""
+    own = {name: int(name) for name in people if name.isdecimal() and int(name) < _MOST}
+    numbers: dict[str, int] = {}
+    for name, number in own.items():
+        if number not in numbers.values():
+            numbers[name] = number
+    free = (k for k in itertools.count(1) if k not in numbers.values())
+    for name in people:
+        if name not in numbers:
+            numbers[name] = next(free)
+    return {name: numbers[name] for name in people}
 
 
 def lost_in(joints: Listing[int], model: str) -> Callable[[Motion], tuple[str, ...]]:

@@ -303,7 +303,9 @@ WRONG = {
     "nothing": (_changed(J, lambda a: None), "'pred_joint_coords'.*expected numbers"),
     "a frame of others": (_stranger, "found no people of SAM 3D Body"),
     "NaN": (_nan, "'pred_joint_coords'.*NaN.*frame 3"),
-    "infinite": (_changed(C, lambda a: a + np.inf), "NaN or infinite"),
+    "infinite": (_changed(C, lambda a: a + np.inf), "NaN, infinite or over"),
+    "far": (_changed(P, lambda a: np.full(a.shape, 1e200)), "'pred_keypoints_3d': NaN, infinite or over"),
+    "ragged": (_changed(J, lambda a: [[1.0, 2.0], [3.0]]), "'pred_joint_coords'.*expected numbers"),
     "zeros": (_changed(J, lambda a: 0.0 * a), "no joint positions of a person"),
     "giants": (_changed(J, lambda a: 30.0 * a), "no joint positions of a person: found legs"),
     "shuffled": (
@@ -319,6 +321,23 @@ def test_wrong_files(tmp_path, name):
     content = video(known(range(8)))
     change(content)
     refused(saved(tmp_path / "a.pkl", content), message)
+
+
+@pytest.mark.parametrize(
+    "field",
+    [
+        {"pred_cam_t": None},
+        {"pred_cam_t": 3.0},
+        {"pred_keypoints_3d": [[1.0, 2.0], [3.0]]},
+        {"frame_idx": [0, np.nan, 2, 3, 4, 5]},
+        {"frame_idx": [0, np.inf, 2, 3, 4, 5]},
+        {"frame_idx": [[0, 1], [2]]},
+    ],
+)
+def test_damaged_fields_of_stacked_frames(tmp_path, field):
+    people = [frame[0] for frame in video(known(range(6)))]
+    stacked = {key: np.stack([one[key] for one in people]) for key in (J, P, C)}
+    refused(saved(tmp_path / "a.pkl", {**stacked, **field}), "expected")
 
 
 def test_wrong_arrays_and_nobody(tmp_path):

@@ -131,5 +131,6 @@ FORMAT = Format(
     suffixes=(".bvh",),
     up="y",
     needs_body=True,
+    tells_bones=True,
     loses=_loses,
 )

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from halfphysics.base import stored_objects as stored
 from halfphysics.base.atomic import atomic_write
 from halfphysics.base.npy import Npy
+from halfphysics.base.stored_objects import write_object_array
 from halfphysics.errors import FileError
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.datasets.arctic_object import PARTS as OBJECT_PARTS
@@ -178,9 +179,8 @@ def _save(motion: Motion, path: Path, body: Body | None) -> None:
     fields = {
         key: rotations[:, list(joints)].reshape(len(motion), -1) for key, joints in PARTS.items()
     }
-    content = np.array({"transl": translation, **fields}, dtype=object)
     with atomic_write(path) as handle:
-        np.lib.format.write_array(handle, content, allow_pickle=True)
+        write_object_array(handle, {"transl": translation, **fields})
 
 
 def _loses(motion: Motion) -> tuple[str, ...]:

@@ -92,7 +92,7 @@ def _load(source: Source, options: Options) -> Motion:
 def _save(motions: Listing[Motion], path: Path, bodies: Listing[Body | None]) -> None:
     if len(motions) > len(PEOPLE):
         raise InputError(f"format: '{NAME}' holds two people, found {len(motions)}")
-    people = written(motions, bodies, NAME).values()
+    people = written(motions, NAME).values()
     content: dict[str, Any] = {"mocap_framerate": motions[0].fps, "frames": len(motions[0])}
     for name, person in zip(PEOPLE, people, strict=False):
         body = person.rotations[:, list(skeleton.BODY_JOINTS)]

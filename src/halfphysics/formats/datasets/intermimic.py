@@ -288,6 +288,7 @@ FORMAT = Format(
     load=_load,
     load_sequence=_load_sequence,
     save=_save,
+    tells_bones=True,
     suffixes=(".pt",),
     loses=_loses,
 )

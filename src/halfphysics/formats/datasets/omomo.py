@@ -304,6 +304,7 @@ FORMAT = Format(
     load_sequence=_load_sequence,
     clips=_names,
     save=_save,
+    tells_bones=True,
     suffixes=(".p",),
     loses=_loses,
 )

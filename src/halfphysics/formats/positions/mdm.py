@@ -126,6 +126,7 @@ FORMAT = Format(
     load_sequence=_load_sequence,
     clips=_clips,
     save=_save,
+    tells_bones=True,
     suffixes=(".npy",),
     loses=lost_without_twist,
     up="y",

@@ -103,7 +103,7 @@ def turned_parts(
         model="smpl",
         gender="neutral",
         hands=None,
-        fields={**fields, "invented": invented},
+        fields={**fields, "invented": invented, "rest": np.asarray(body.rest_joints)},
     )
 
 
@@ -129,7 +129,7 @@ def _load(source: Source, options: Options) -> Motion:
 
 
 def _save(motion: Motion, path: Path, body: Body | None) -> None:
-    person = written([motion], [body], NAME)["0"]
+    person = written([motion], NAME)["0"]
     matrices = rot.rotvec_to_matrix(person.smpl().reshape(len(motion), 24, 3))
     rows = np.moveaxis(matrices[..., :2, :].reshape(len(motion), 24, 6), 0, -1)
     pelvis = (person.translation + person.rest[0]).T

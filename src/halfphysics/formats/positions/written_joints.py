@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base.atomic import atomic_write
 from halfphysics.base.axes import axes_of
+from halfphysics.base.stored_objects import write_object_array
 from halfphysics.body.body import Body
 from halfphysics.errors import InputError
 from halfphysics.formats.motion_builder import lost_joints, lost_rate
@@ -33,14 +34,16 @@ def places_of(motion: Motion, body: Body | None, format: str) -> Array:
 
 
 def write_array(path: Path, content: Any) -> None:
-    """Write an array as `numpy.save` does; a dict is pickled.
+    """Write an array, or a dict in one of objects, as `numpy.save` does.
 
     Raises:
         FileError: The folder is missing or cannot be written; nothing is left behind.
     """
-    array = np.asanyarray(content)
     with atomic_write(path) as handle:
-        np.lib.format.write_array(handle, array, allow_pickle=array.dtype.hasobject)
+        if isinstance(content, dict):
+            write_object_array(handle, content)
+        else:
+            np.lib.format.write_array(handle, np.asanyarray(content), allow_pickle=False)
 
 
 def lost_without_twist(motion: Motion) -> tuple[str, ...]:

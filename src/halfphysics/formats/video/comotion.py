@@ -18,7 +18,7 @@ from halfphysics.formats.format import Options, Source
 from halfphysics.formats.mean_shape import mean_shape
 from halfphysics.formats.motion_builder import same_length
 from halfphysics.formats.video.smpl_pose import vectors_in
-from halfphysics.formats.written_people import Written, lost_in
+from halfphysics.formats.written_people import Written, lost_in, numbers_of
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
 
@@ -65,7 +65,7 @@ def _read(who: Seen, options: Options) -> Motion:
 
 
 def _write(people: Mapping[str, Written], path: Path) -> None:
-    ids = [int(name) if name.isdecimal() else k for k, name in enumerate(people)]
+    ids = list(numbers_of(people).values())
     rows = list(people.values())
     content = {
         "id": np.repeat(ids, [len(person.frames) for person in rows]),

@@ -25,6 +25,7 @@ from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.estimates import CAMERA, FLOOR, FPS, RATE, estimated, held, once, relaxed
 from halfphysics.formats.format import Format, Options, Source
 from halfphysics.formats.motion_builder import same_length
+from halfphysics.formats.rotation_forms import numbers_of
 from halfphysics.formats.skeletons.skeleton_motion import retargeted_known
 from halfphysics.formats.skeletons.soma import SOMA, animated, places_of, world_turns
 from halfphysics.formats.smplx_params import parts_of
@@ -59,7 +60,7 @@ def _load(source: Source, options: Options) -> Motion:
         found = type(fields).__name__
         raise Record(source.path, data).error(key, f"found {found}, expected a dict of tensors")
     record = Record(f"{source.path}: {key}", fields)
-    shape = np.shape(record.raw("body_pose", f"(T, {_WIDTH})"))
+    shape = numbers_of(record, "body_pose").shape
     width = int(np.prod(shape[1:])) if len(shape) in (2, 3) else 0
     if width not in (_WIDTH, _SMPLX):
         raise record.error(

@@ -64,7 +64,7 @@ def _load(source: Source, options: Options) -> Motion:
 
 
 def _save(motion: Motion, path: Path, body: Body | None) -> None:
-    person = next(iter(written([motion], [body], NAME).values()))
+    person = next(iter(written([motion], NAME).values()))
     frames = len(motion)
     # A file that had the camera's frame only comes back in it.
     key = _CAMERA if (motion.axes == axes_of("-y")).all() else _WORLD

@@ -30,6 +30,8 @@ from halfphysics.motion.motion import Motion
 NAME = "mcs"
 _EXTENSION, _BODIES = "MC_scene_description", "smpl_bodies"
 _DATA = "base64,"
+#: Frames of a video are numbered below this.
+_MOST_FRAMES = 2**31
 _URI = f"data:application/octet-stream;{_DATA}"
 
 
@@ -61,7 +63,8 @@ def _people(source: Source) -> dict[str, Seen]:
         rows = npz.header("bodyTranslation")[0][0] if "bodyTranslation" in npz else 0
         first = body.get("frame_presence", [0, rows])
         start = first[0] if isinstance(first, list) and first else None
-        if not isinstance(start, int) or isinstance(start, bool) or start < 0:
+        whole = isinstance(start, int) and not isinstance(start, bool)
+        if not (isinstance(start, int) and whole and 0 <= start < _MOST_FRAMES):
             raise FileError(
                 f"{where}: frame_presence: found {first!r}, expected [first, after the last]"
             )

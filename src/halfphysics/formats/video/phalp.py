@@ -20,7 +20,7 @@ from halfphysics.formats.estimates import CAMERA, FLOOR, Seen, estimated, seen, 
 from halfphysics.formats.format import Options, Source
 from halfphysics.formats.mean_shape import mean_shape
 from halfphysics.formats.video.smpl_pose import JOINTS, matrices_in
-from halfphysics.formats.written_people import Written, lost_in
+from halfphysics.formats.written_people import Written, lost_in, numbers_of
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
 
@@ -110,10 +110,11 @@ def _write(people: Mapping[str, Written], path: Path) -> None:
         f"img/{number:06d}.jpg": {"time": number, "tid": [], "smpl": [], "camera": []}
         for number in numbers
     }
-    for k, (name, person) in enumerate(people.items()):
+    names = numbers_of(people)
+    for name, person in people.items():
         for row, number in enumerate(person.frames):
             frame = content[f"img/{number:06d}.jpg"]
-            frame["tid"].append(int(name) if name.isdecimal() else k)
+            frame["tid"].append(names[name])
             frame["camera"].append(person.translation[row])
             own = turns[name][row]
             pose = {"global_orient": own[:1], "body_pose": own[1:], "betas": person.betas()}

@@ -24,7 +24,7 @@ from halfphysics.formats.format import Options, Source
 from halfphysics.formats.mean_shape import mean_shape
 from halfphysics.formats.motion_builder import rotations_of
 from halfphysics.formats.rotation_forms import checked_matrices
-from halfphysics.formats.written_people import Written, lost_in
+from halfphysics.formats.written_people import Written, lost_in, numbers_of
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.skeleton import N_JOINTS
 
@@ -83,8 +83,8 @@ def _read(who: Seen, options: Options) -> Motion:
 
 def _write(people: Mapping[str, Written], path: Path) -> None:
     content = {}
-    for k, (name, person) in enumerate(people.items()):
-        number = int(name) if name.isdecimal() else k + 1
+    for name, number in numbers_of(people).items():
+        person = people[name]
         common = {"shape": np.tile(person.betas(), (len(person.frames), 1))}
         common["trans"] = person.translation
         own: dict[str, Any] = {"frames": person.frames, "track_id": number}

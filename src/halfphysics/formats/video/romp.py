@@ -12,6 +12,7 @@ taken. BEV's 11th beta is the share of a child's body, which is left out. Frames
 
 from __future__ import annotations
 
+import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from numpy.typing import NDArray
 from halfphysics.base.atomic import atomic_write
 from halfphysics.base.npz_objects import NpzObjects
 from halfphysics.base.reader_warnings import warn
+from halfphysics.base.stored_objects import write_object_array
 from halfphysics.errors import FileError
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.estimates import (
@@ -43,7 +45,7 @@ from halfphysics.formats.format import Options, Source
 from halfphysics.formats.mean_shape import mean_shape
 from halfphysics.formats.motion_builder import same_length
 from halfphysics.formats.video.smpl_pose import vectors_in
-from halfphysics.formats.written_people import Written, lost_in
+from halfphysics.formats.written_people import Written, lost_in, numbers_of
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
 
@@ -175,6 +177,7 @@ def _read(who: Seen, options: Options) -> Motion:
         up="-y",
         model="smpl",
         betas=betas,
+        fields={"rest": rest},
         invented={**CAMERA, **HIPS, **({} if own else PELVIS), **FLOOR},
     )
 
@@ -183,21 +186,22 @@ def _write(people: Mapping[str, Written], path: Path) -> None:
     """As `video_results.npz`, in one frame for all of a video."""
     tracks: dict[int, dict[str, list[Any]]] = {}
     results: dict[str, dict[str, NDArray[np.float64]]] = {}
-    for k, (name, person) in enumerate(people.items()):
+    for name, number in numbers_of(people).items():
+        person = people[name]
         places = hips_of(person.translation, person.rotations[:, 0], person.rest)
         betas = np.tile(person.betas(_BETAS), (len(places), 1))
         rows = {_POSE: person.smpl(), _SHAPE: betas, _PLACE: places}
         track = {"frame_id": person.frames.tolist(), **{key: list(rows[key]) for key in rows}}
-        tracks[int(name) if name.isdecimal() else k] = track
-        for row, number in enumerate(person.frames):
-            frame = results.setdefault(f"{number:08d}.png", {})
+        tracks[number] = track
+        for row, at in enumerate(person.frames):
+            frame = results.setdefault(f"{at:08d}.png", {})
             for key, values in rows.items():
                 before = frame.get(key, np.zeros((0, values.shape[1])))
                 frame[key] = np.concatenate([before, values[row : row + 1]])
-    content = {_RESULTS: results, _SEQUENCES: tracks}
-    fields: dict[str, Any] = {key: np.array(own, dtype=object) for key, own in content.items()}
-    with atomic_write(path) as handle:
-        np.savez(handle, **fields)
+    with atomic_write(path) as handle, zipfile.ZipFile(handle, "w") as archive:
+        for key, content in ((_RESULTS, results), (_SEQUENCES, tracks)):
+            with archive.open(zipfile.ZipInfo(f"{key}.npy"), "w") as stream:
+                write_object_array(stream, content)
 
 
 FORMAT = tracked(

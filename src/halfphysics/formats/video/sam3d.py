@@ -50,6 +50,8 @@ _SHAPES = {JOINTS: (N_MHR, 3), POINTS: (N_POINTS, 3), CAMERA: (3,)}
 #: of their length from head to feet; depth is guessed anew in each. Somebody not seen for so many
 #: frames is somebody else.
 _STEP, _LOST = 0.8, 30
+#: No place is farther from the camera than this, in any unit.
+_FAR = 1e8
 #: Sizes that differ by less than this over the frames are one.
 _ONE_SIZE = 0.01
 _known: WeakKeyDictionary[Seen, Fitted] = WeakKeyDictionary()
@@ -104,10 +106,11 @@ def _checked(source: Source, sighting: Sighting) -> dict[str, Array]:
                 f"expected numbers of {shape} for each person"
             )
         found[key] = np.array(squeezed, dtype=np.float64)
-        if not np.isfinite(found[key]).all():
+        if not (np.abs(found[key]) < _FAR).all():
             raise FileError(
-                f"{source.path}: field '{key}': NaN or infinite in frame {sighting.number}, "
-                "expected finite numbers. Leave that person out there: the gap is filled"
+                f"{source.path}: field '{key}': NaN, infinite or over {_FAR:g} in frame "
+                f"{sighting.number}, expected finite numbers. Leave that person out there: the gap "
+                "is filled"
             )
     if not {JOINTS, POINTS} & set(found):
         raise FileError(

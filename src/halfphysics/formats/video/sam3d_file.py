@@ -134,20 +134,31 @@ def _in_frames(where: str, content: Any) -> Iterator[Sighting]:
             yield Sighting(number, fields, _id(fields))
 
 
+def _array(value: Any) -> NDArray[Any]:
+    """An array of anything; lists of different lengths are an array of no numbers."""
+    try:
+        return to_numpy(value)
+    except (MemoryError, OverflowError, TypeError, ValueError):
+        return np.empty(0, dtype=object)
+
+
 def _one(where: str, fields: Mapping[str, Any]) -> Iterator[Sighting]:
     """A person in one frame or, with one axis more, in many."""
     key = JOINTS if JOINTS in fields else POINTS
-    shape: tuple[int, ...] = np.shape(fields[key]) if key in fields else ()
+    shape: tuple[int, ...] = _array(fields[key]).shape if key in fields else ()
     if len(shape) != 3:
         yield Sighting(0, fields, _id(fields))
         return
-    arrays = {k: to_numpy(fields[k]) for k in (JOINTS, POINTS, CAMERA) if k in fields}
+    arrays = {k: _array(fields[k]) for k in (JOINTS, POINTS, CAMERA) if k in fields}
     name = next((n for n in _NUMBERS if n in fields), None)
-    numbers = np.arange(shape[0]) if name is None else np.reshape(to_numpy(fields[name]), -1)
-    lengths = {k: len(v) for k, v in arrays.items()} | {name or "frames": len(numbers)}
-    if len(set(lengths.values())) > 1 or numbers.dtype.kind not in "iuf":
+    numbers = np.arange(shape[0]) if name is None else _array(fields[name]).reshape(-1)
+    lengths = {k: len(v) if v.ndim else 1 for k, v in arrays.items()}
+    lengths[name or "frames"] = len(numbers)
+    fits = numbers.dtype.kind in "iuf" and np.isfinite(numbers).all()
+    if len(set(lengths.values())) > 1 or not fits:
         raise FileError(
-            f"{where}: fields of different length: {lengths}, expected one row per frame"
+            f"{where}: fields of different length: {lengths}, expected one row per frame, and "
+            "whole numbers of frames"
         )
     for row, number in enumerate(numbers):
         yield Sighting(int(number), {k: v[row] for k, v in arrays.items()}, "0")
@@ -222,7 +233,7 @@ def _one_person(people: list[Mapping[str, Any]]) -> bool:
     """Whether each box overlaps the next one's by more than boxes of an image do."""
     try:
         boxes = [np.array(fields[_BOX], dtype=np.float64).reshape(4) for fields in people]
-    except (KeyError, TypeError, ValueError):
+    except (KeyError, OverflowError, TypeError, ValueError):
         return False
     return all(_overlap(a, b) > _OVERLAP for a, b in pairwise(boxes))
 
@@ -235,8 +246,8 @@ def _overlap(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
 
 
 def _id(fields: Mapping[str, Any]) -> str | None:
-    found = next((fields[key] for key in _IDS if key in fields), None)
-    return None if found is None or np.size(found) != 1 else str(np.reshape(found, -1)[0])
+    found = next((_array(fields[key]) for key in _IDS if key in fields), None)
+    return None if found is None or found.size != 1 else str(found.reshape(-1)[0])
 
 
 def _rate(content: Any) -> float | None:
@@ -245,6 +256,5 @@ def _rate(content: Any) -> float | None:
         return None
     info = content.get("video_info", content)
     rate = info.get("fps") if isinstance(info, Mapping) else None
-    if rate is None or np.size(rate) != 1 or np.asarray(rate).dtype.kind not in "iuf":
-        return None
-    return float(np.reshape(rate, -1)[0])
+    found = _array(rate)
+    return float(found.reshape(-1)[0]) if found.size == 1 and found.dtype.kind in "iuf" else None

@@ -70,7 +70,7 @@ def _people(source: Source) -> dict[str, Seen]:
     if "betas" in whole:
         rows["betas"] = whole.array("betas", people, *np.shape(whole.raw("betas"))[1:])
     plane = _plane(whole, rows["root_orient"]) if _PLANE in whole else None
-    known = _tracks(source.path, frames)
+    known = _tracks(source.path, people, frames)
     found = {}
     for number in range(people):
         name, first, last = known.get(number, (str(number), 0, frames))
@@ -99,19 +99,26 @@ def _plane(whole: Record, roots: Array) -> Array:
     return np.array([*(sign * given[0] / size), sign * size])
 
 
-def _tracks(path: Path, frames: int) -> dict[int, tuple[str, int, int]]:
-    """Row -> name, first frame and frame after the last in which a person is seen."""
+def _tracks(path: Path, people: int, frames: int) -> dict[int, tuple[str, int, int]]:
+    """Row -> name, first frame and frame after the last in which a person is seen.
+
+    Empty where there is no such file, or it is of another video: as many people and frames.
+    """
     folders = path.resolve().parents[:_ABOVE]
     file = next((folder / _INFO for folder in folders if (folder / _INFO).is_file()), None)
     if file is None:
         return {}
     try:
         said = foreign_json.read(file)
-        start = int(said.get("meta", {}).get("data_interval", (0, 0))[0])
+        start, end = (int(n) for n in said.get("meta", {}).get("data_interval", (0, -1)))
         found = {}
+        if len(said["tracks"]) != people:
+            return {}
         for name, track in said["tracks"].items():
             mask = np.asarray(track["vis_mask"], dtype=np.float64)
-            mask = mask if len(mask) == frames else mask[start : start + frames]
+            mask = mask if len(mask) == frames else mask[start : end if end > start else None]
+            if len(mask) != frames:
+                return {}
             there = np.flatnonzero(mask > 0)
             if len(there):
                 found[int(track["index"])] = str(name), int(there[0]), int(there[-1]) + 1
@@ -138,6 +145,7 @@ def _read(who: Seen, options: Options) -> Motion:
         model="smplh",
         betas=mean_shape(record, "betas", len(root)),
         fps=FPS,
+        fields={"floor": plane},
         invented={} if plane else {**CAMERA, **FLOOR},
     )
     return _on_floor(motion, record.raw(_PLANE)) if plane else motion
@@ -152,9 +160,10 @@ def _on_floor(motion: Motion, plane: Array) -> Motion:
     angle = float(np.arctan2(sine, normal[2]))
     turn = rot.rotvec_to_matrix(angle * (axis / sine if sine else np.array([1.0, 0.0, 0.0])))
     translation, rotations = turned(motion.translation, motion.rotations, turn)
+    unit = 1.0 if motion.origin is None else motion.origin.fields.get("unit", 1.0)
     return dataclasses.replace(
         motion,
-        translation=translation - [0.0, 0.0, plane[3]],
+        translation=translation - [0.0, 0.0, unit * plane[3]],
         rotations=rotations,
         axes=turn @ motion.axes,
     )
@@ -165,16 +174,20 @@ def _write(people: Mapping[str, Written], path: Path) -> None:
     frames = {len(person.frames) for person in rows}
     if len(frames) > 1:
         raise InputError(f"format: '{NAME}' has as many frames for everybody, found {frames}")
-    # The floor of these people, z = 0, in the axes of the file; its normal points up.
+    # The floor of these people, z = 0, in the axes of the file; its normal points up. A file that
+    # was read with another axis up had none.
     normal = rows[0].motion.axes.T @ [0.0, 0.0, 1.0]
+    own = rows[0].motion.origin
+    floor = own is None or own.format != NAME or own.fields.get("floor", True)
+    height = _HEIGHT if floor else 0.0
     count = len(rows[0].frames)
     body = [person.rotations[:, list(skeleton.BODY_JOINTS)] for person in rows]
     fields = {
-        "trans": np.stack([person.translation + _HEIGHT * normal for person in rows]),
+        "trans": np.stack([person.translation + height * normal for person in rows]),
         "root_orient": np.stack([person.rotations[:, 0] for person in rows]),
         "pose_body": np.stack([turns.reshape(count, -1) for turns in body]),
         "betas": np.stack([person.betas(_BETAS) for person in rows]),
-        _PLANE: (_HEIGHT * normal)[None],
+        **({_PLANE: (height * normal)[None]} if floor else {}),
     }
     write_npz(path, {key: value.astype(np.float32) for key, value in fields.items()})
 

@@ -30,7 +30,7 @@ from halfphysics.formats.format import Options, Source
 from halfphysics.formats.mean_shape import mean_shape
 from halfphysics.formats.motion_builder import same_length
 from halfphysics.formats.video.smpl_pose import vectors_in
-from halfphysics.formats.written_people import Written, lost_in
+from halfphysics.formats.written_people import Written, lost_in, numbers_of
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
 
@@ -72,13 +72,15 @@ def _read(who: Seen, options: Options) -> Motion:
         up="y",
         model="smpl",
         betas=betas,
+        fields={"rest": rest},
         invented={**HIPS, **({} if own else PELVIS), **FLOOR},
     )
 
 
 def _write(people: Mapping[str, Written], path: Path) -> None:
+    numbers = numbers_of(people)
     content = {
-        int(name) if name.isdecimal() else name: {
+        numbers[name]: {
             "pose_world": person.smpl(),
             "trans_world": hips_of(person.translation, person.rotations[:, 0], person.rest),
             "betas": np.tile(person.betas(), (len(person.frames), 1)),

@@ -304,7 +304,10 @@ WRONG = {
     "a frame of others": (_stranger, "found no people of SAM 3D Body"),
     "NaN": (_nan, "'pred_joint_coords'.*NaN.*frame 3"),
     "infinite": (_changed(C, lambda a: a + np.inf), "NaN, infinite or over"),
-    "far": (_changed(P, lambda a: np.full(a.shape, 1e200)), "'pred_keypoints_3d': NaN, infinite or over"),
+    "far": (
+        _changed(P, lambda a: np.full(a.shape, 1e200)),
+        "'pred_keypoints_3d': NaN, infinite or over",
+    ),
     "ragged": (_changed(J, lambda a: [[1.0, 2.0], [3.0]]), "'pred_joint_coords'.*expected numbers"),
     "zeros": (_changed(J, lambda a: 0.0 * a), "no joint positions of a person"),
     "giants": (_changed(J, lambda a: 30.0 * a), "no joint positions of a person: found legs"),

@@ -28,6 +28,7 @@ from halfphysics.formats.datasets.subject import named_model
 from halfphysics.formats.format import Format, Options, Source, alone, nothing
 from halfphysics.formats.motion_builder import USUAL_FPS, motion_of, same_length
 from halfphysics.formats.people import Track, filled
+from halfphysics.formats.smplx_params import parts_of
 from halfphysics.formats.written_people import Written, written
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.skeleton import JOINT_INDEX
@@ -116,16 +117,7 @@ def tracked(
         key, who = person(source, options)
         return _named(read(who, options), key)
 
-    def load_person(source: Source, options: Options) -> tuple[Motion, Body]:
-        assert with_body is not None
-        key, who = person(source, options)
-        motion, body = with_body(who, options)
-        return _named(motion, key), body
-
-    def save(motions: Listing[Motion], path: Path, bodies: Listing[Body | None]) -> None:
-        assert write is not None
-        write(written(motions, name), path)
-
+    save_people = None if write is None else _saving(name, write)
     return Format(
         name=name,
         about=about,
@@ -134,13 +126,34 @@ def tracked(
         sniff=sniff,
         load=load,
         people=tracks,
-        save=None if write is None else alone(save),
-        save_people=None if write is None else save,
+        save=None if save_people is None else alone(save_people),
+        save_people=save_people,
         suffixes=(suffix,),
         up=up,
         loses=loses,
-        load_person=load_person if with_body is not None else None,
+        load_person=None if with_body is None else _on_own_body(person, with_body),
     )
+
+
+def _on_own_body(
+    person: Callable[[Source, Options], tuple[str, Seen]],
+    with_body: Callable[[Seen, Options], tuple[Motion, Body]],
+) -> Callable[[Source, Options], tuple[Motion, Body]]:
+    """`Format.load_person`."""
+
+    def load_person(source: Source, options: Options) -> tuple[Motion, Body]:
+        key, who = person(source, options)
+        motion, body = with_body(who, options)
+        return _named(motion, key), body
+
+    return load_person
+
+
+def _saving(
+    name: str, write: Callable[[Mapping[str, Written], Path], None]
+) -> Callable[[Listing[Motion], Path, Listing[Body | None]], None]:
+    """`Format.save_people`."""
+    return lambda motions, path, bodies: write(written(motions, name), path)
 
 
 def _named(motion: Motion, track: str) -> Motion:
@@ -251,6 +264,33 @@ def estimated(
         betas=betas,
         hands="flat" if hands == "unsaid" else hands,
         fields={**(fields or {}), "invented": said, "first": first},
+    )
+
+
+def estimated_smplx(
+    where: str, record: Record, options: Options, *, format: str, world: bool
+) -> Motion:
+    """The motion of one person in parameters of the `smplx` package, with its relaxed hand.
+
+    Args:
+        where: Name of the file in messages.
+        record: The parameters.
+        options, format: As of `estimated`.
+        world: They are in a world with y up; else in the camera's frame.
+    """
+    parts = parts_of(record, options)
+    hands, told = relaxed(options)
+    return estimated(
+        where,
+        options,
+        format=format,
+        translation=parts.translation,
+        rotations=parts.rotations,
+        up="y" if world else "-y",
+        model="smplx",
+        betas=parts.betas,
+        hands=hands,
+        invented={**({} if world else CAMERA), **told, **FLOOR},
     )
 
 

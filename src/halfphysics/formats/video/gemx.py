@@ -22,13 +22,12 @@ from numpy.typing import NDArray
 from halfphysics.base import rotations as rot
 from halfphysics.base.reader_warnings import warn
 from halfphysics.formats.checked_fields import Record
-from halfphysics.formats.estimates import CAMERA, FLOOR, FPS, RATE, estimated, held, once, relaxed
+from halfphysics.formats.estimates import CAMERA, FLOOR, FPS, RATE, estimated_smplx, held, once
 from halfphysics.formats.format import Format, Options, Source
 from halfphysics.formats.motion_builder import same_length
 from halfphysics.formats.rotation_forms import numbers_of
 from halfphysics.formats.skeletons.skeleton_motion import retargeted_known
 from halfphysics.formats.skeletons.soma import SOMA, animated, places_of, world_turns
-from halfphysics.formats.smplx_params import parts_of
 from halfphysics.motion.motion import Motion
 
 Array = NDArray[np.float64]
@@ -67,8 +66,10 @@ def _load(source: Source, options: Options) -> Motion:
             "body_pose",
             f"found shape {shape}, expected (T, {_WIDTH}) of SOMA or (T, {_SMPLX}) of SMPL-X",
         )
-    read = _soma if width == _WIDTH else _smplx
-    return read(str(source.path), record, options, world=key in _WORLD)
+    where, world = str(source.path), key in _WORLD
+    if width == _SMPLX:
+        return estimated_smplx(where, record, options, format=NAME, world=world)
+    return _soma(where, record, options, world=world)
 
 
 def _soma(where: str, record: Record, options: Options, *, world: bool) -> Motion:
@@ -100,23 +101,6 @@ def _soma(where: str, record: Record, options: Options, *, world: bool) -> Motio
         f"{scale:.3f}; not in the file, and taken as: {'; '.join(said.values())}"
     )
     return motion
-
-
-def _smplx(where: str, record: Record, options: Options, *, world: bool) -> Motion:
-    parts = parts_of(record, options)
-    hands, told = relaxed(options)
-    return estimated(
-        where,
-        options,
-        format=NAME,
-        translation=parts.translation,
-        rotations=parts.rotations,
-        up="y" if world else "-y",
-        model="smplx",
-        betas=parts.betas,
-        hands=hands,
-        invented={**({} if world else CAMERA), **told, **FLOOR},
-    )
 
 
 FORMAT = Format(

@@ -16,9 +16,8 @@ import numpy as np
 from halfphysics.base import torch_file
 from halfphysics.base.axes import axes_of
 from halfphysics.formats.checked_fields import Record
-from halfphysics.formats.estimates import CAMERA, FLOOR, estimated, once, relaxed
+from halfphysics.formats.estimates import estimated_smplx, once
 from halfphysics.formats.format import Format, Options, Source
-from halfphysics.formats.smplx_params import parts_of
 from halfphysics.formats.written_people import lost_in, written
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
@@ -47,20 +46,8 @@ def _load(source: Source, options: Options) -> Motion:
     fields = whole.raw(key)
     if not isinstance(fields, dict):
         raise whole.error(key, f"found {type(fields).__name__}, expected a dict of tensors")
-    parts = parts_of(Record(f"{source.path}: {key}", fields), options)
-    hands, told = relaxed(options)
-    return estimated(
-        str(source.path),
-        options,
-        format=NAME,
-        translation=parts.translation,
-        rotations=parts.rotations,
-        up="y" if world else "-y",
-        model="smplx",
-        betas=parts.betas,
-        hands=hands,
-        invented={**({} if world else CAMERA), **told, **FLOOR},
-    )
+    record = Record(f"{source.path}: {key}", fields)
+    return estimated_smplx(str(source.path), record, options, format=NAME, world=world)
 
 
 def _save(motion: Motion, path: Path, body: Body | None) -> None:

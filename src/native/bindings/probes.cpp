@@ -141,21 +141,22 @@ auto inertia_matrix(Stepper& s, Doubles qpos) {
   const Model& m = s.system.model;
   const Inertia inertia = inertia_at(s, qpos);
   const size_t n = m.nv;
-  std::vector<double> M(n * n, 0);
+  std::vector<double> M(n * n, 0), rows;
+  for (const Model::Tree& tree : m.trees) inertia.rows(m, tree, rows);
   for (size_t i = 0; i < n; i++)
     for (int a = 0; a < m.row_size[i]; a++) {
       const int j = m.chain[m.row_start[i] + a];
-      M[i * n + j] = M[j * n + i] = inertia.M[m.row_start[i] + a];
+      M[i * n + j] = M[j * n + i] = rows[m.row_start[i] + a];
     }
   return array({n, n}, M);
 }
 
 auto inertia_solve(Stepper& s, Doubles qpos, Doubles x) {
   const Model& m = s.system.model;
-  Inertia inertia = inertia_at(s, qpos);
-  inertia.factor(m, std::vector<double>(m.nv, 1), std::vector<double>(m.nv, 0));
+  InertiaFactor factor;
+  factor.factor(m, inertia_at(s, qpos), std::vector<double>(m.nv, 1), std::vector<double>(m.nv, 0));
   std::vector<double> y = list<double>(x);
-  inertia.solve(m, y.data());
+  factor.solve(m, y.data());
   return array(y);
 }
 

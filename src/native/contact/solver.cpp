@@ -23,83 +23,24 @@ Vec3 endpoint_velocity(const Model& m, const Kinematics& k, const std::vector<Tw
   return v;
 }
 
-// D^-1/2 L^-T S for the six spatial axes S of a body: what a unit wrench on it does, per dof of
-// its chain. Then a row of Y = D^-1/2 L^-T J^T is a combination of six columns.
-void ContactSolver::half_solve(const System& s, int body) {
-  const Model& m = s.m;
-  int last = m.last_dof[body];
-  const int* dof = &m.chain[m.row_start[last]];
-  int n = m.row_size[last];
-  body_slot_[body] = (int)body_y_.size();
-  body_y_.resize(body_y_.size() + 6 * (size_t)n);
-  double* y = &body_y_[body_slot_[body]];
-  for (int a = 0; a < n; a++) {
-    store3(y + 6 * a, s.k.cdof[dof[a]].w);
-    store3(y + 6 * a + 3, s.k.cdof[dof[a]].v);
+// What acts on the bodies that carry an endpoint where a contact's three impulses are one.
+void ContactSolver::push(const System& s, const Endpoint& e, double sign, const Vec3 axis[3]) {
+  for (int l = 0; l < e.count; l++) {
+    const int b = e.body[l];
+    if (s.m.pushed_dof(b) < 0) continue;
+    const Vec3 r = e.point[l] - s.k.reference(s.m, b);
+    Vec3 moment[3], force[3];
+    for (int q = 0; q < 3; q++) {
+      force[q] = sign * e.weight[l] * axis[q];
+      moment[q] = cross(r, force[q]);
+    }
+    half_.add_wrench(b, moment, force);
   }
-  for (int a = n - 1; a > 0; a--) {
-    const double* row = &s.inertia.L[m.row_start[dof[a]]];
-    const double* ya = y + 6 * a;
-    for (int c = 0; c < a; c++)
-      for (int e = 0; e < 6; e++) y[6 * c + e] -= row[c] * ya[e];
-  }
-  for (int a = 0; a < n; a++)
-    for (int e = 0; e < 6; e++) y[6 * a + e] *= s.inertia.root_D[dof[a]];
-}
-
-// Adds to an entry of the row of Y that is being made: several bodies of one tree share dofs.
-void ContactSolver::add_to_row(int dof, double n, double t, double s) {
-  int& at = slot_[dof];
-  if (at < 0) {
-    at = (int)dof_.size();
-    dof_.push_back(dof);
-    y_.insert(y_.end(), {n, t, s, 0.0});
-  } else {
-    y_[4 * at] += n, y_[4 * at + 1] += t, y_[4 * at + 2] += s;
-  }
-}
-
-// What a body contributes to the row of an endpoint that hangs on it.
-void ContactSolver::add_body(const System& s, const Endpoint& e, int l, double sign,
-                             const Vec3 axis[3]) {
-  const Model& m = s.m;
-  int b = e.body[l], last = m.pushed_dof(b);
-  if (last < 0) return;
-  if (body_slot_[b] < 0) half_solve(s, b);
-  Vec3 r = e.point[l] - s.k.reference(m, b);
-  double weight = sign * e.weight[l];
-  const double* y = &body_y_[body_slot_[b]];
-  const int* dof = &m.chain[m.row_start[last]];
-  Vec3 moment[3];
-  for (int q = 0; q < 3; q++) moment[q] = weight * cross(r, axis[q]);
-  for (int a = 0; a < m.row_size[last]; a++, y += 6) {
-    Vec3 yw = load3(y), yv = load3(y + 3);
-    double v[3];
-    for (int q = 0; q < 3; q++) v[q] = dot(moment[q], yw) + weight * dot(axis[q], yv);
-    add_to_row(dof[a], v[0], v[1], v[2]);
-  }
-}
-
-// The same for what blend shapes do: joints anywhere in the tree, so that every row of the factor
-// takes part.
-void ContactSolver::add_bends(const System& s, const Endpoint& e, double sign, const Vec3 axis[3]) {
-  const Model& m = s.m;
-  bend_.resize(3 * (size_t)m.nv, 0.0);
-  int last = 0;
+  if (!e.bends) return;
   for (const Endpoint::Bend& b : *e.bends) {
-    for (int q = 0; q < 3; q++) bend_[3 * b.dof + q] = sign * dot(axis[q], b.rate);
-    last = std::max(last, b.dof);
-  }
-  for (int i = last; i >= 0; i--) {
-    double* x = &bend_[3 * (size_t)i];
-    if (x[0] == 0 && x[1] == 0 && x[2] == 0) continue;
-    const int* chain = &m.chain[m.row_start[i]];
-    const double* L = &s.inertia.L[m.row_start[i]];
-    for (int a = 0; a + 1 < m.row_size[i]; a++)
-      for (int q = 0; q < 3; q++) bend_[3 * (size_t)chain[a] + q] -= L[a] * x[q];
-    const double d = s.inertia.root_D[i];
-    add_to_row(i, d * x[0], d * x[1], d * x[2]);
-    x[0] = x[1] = x[2] = 0;
+    double force[3];
+    for (int q = 0; q < 3; q++) force[q] = sign * dot(axis[q], b.rate);
+    half_.add_force(s.m, b.dof, force);
   }
 }
 
@@ -110,15 +51,11 @@ void ContactSolver::join(const System& s, const Contact& c, int contact) {
   row.contact = contact;
   row.first = (int)dof_.size();
   const Vec3 axis[3] = {c.n, c.t, c.s};
-  for (int side = 0; side < 2; side++) {
-    const Endpoint& e = side == 0 ? c.a : c.b;
-    const double sign = side == 0 ? 1 : -1;
-    for (int l = 0; l < e.count; l++) add_body(s, e, l, sign, axis);
-    if (e.bends) add_bends(s, e, sign, axis);
-  }
+  push(s, c.a, 1, axis);
+  push(s, c.b, -1, axis);
+  half_.sweep(s.m, s.inertia, dof_, y_);
   row.count = (int)dof_.size() - row.first;
   problem_.A.reserve((int)rows_.size() + 1, (int)rows_.size());
-  for (int i = row.first; i < (int)dof_.size(); i++) slot_[dof_[i]] = -1;
   rows_.push_back(row);
   fill_blocks((int)rows_.size() - 1);
 
@@ -162,9 +99,7 @@ void ContactSolver::response(const System& s) {
     for (int e = rows_[i].first; e < rows_[i].first + rows_[i].count; e++)
       dv_[dof_[e]] += y_[4 * e] * p[0] + y_[4 * e + 1] * p[1] + y_[4 * e + 2] * p[2];
   }
-  for (int i = 0; i < m.nv; i++) dv_[i] *= s.inertia.root_D[i];
-  s.inertia.half_solve_back(m, dv_.data());
-  body_twists(m, s.k, dv_.data(), response_);
+  s.inertia.half_solve_back(m, dv_.data(), response_);
 }
 
 // Does a contact need an impulse that says that there is no room?
@@ -356,7 +291,7 @@ int ContactSolver::any_root(const Model& m, const Contact& c) {
   return c.a.bends ? m.root[m.dof_body[c.a.bends->front().dof]] : 0;
 }
 
-SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Inertia& inertia,
+SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const InertiaFactor& inertia,
                                  double h, const double* v_free, double* v,
                                  std::vector<Contact>& contacts, double tolerance, int max_sweeps,
                                  double mass, double budget) {
@@ -365,11 +300,9 @@ SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Iner
   std::memcpy(v, v_free, sizeof(double) * m.nv);
   SolveReport report;
   if (n == 0) return report;
-  body_slot_.assign(m.nbody, -1);
-  body_y_.clear();
+  half_.begin(m);
   joined_.assign(n, 0);
   scatter_.resize(4 * (size_t)m.nv, 0.0);
-  slot_.assign(m.nv, -1);
   dv_.resize(m.nv);
   find_demands(s, h, v_free, contacts);
   find_islands(m, contacts);

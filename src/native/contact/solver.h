@@ -9,8 +9,8 @@
 // `shift` being what the true end pose showed the prediction to be off by, and obeys Coulomb's law
 // with that: contact_problem.h.
 //
-// From M = L^T D L (kinematic_tree.h) follow the sparse rows of Y = D^-1/2 L^-T J^T, by one half of a
-// solve per body that is touched, along its chain of ancestors; then
+// From M = L^T D L (inertia_factor.h) follow the sparse rows of Y = D^-1/2 L^-T J^T, by one half of a
+// solve per contact, along the chains of the bodies that it touches (half_solve.h); then
 //     A = J M^-1 J^T = Y Y^T                                            (the Delassus operator),
 // and the answer is v = v* + L^-1 D^-1/2 Y^T p.
 //
@@ -28,7 +28,7 @@
 #include <vector>
 
 #include "contact/contact_problem.h"
-#include "dynamics/kinematic_tree.h"
+#include "dynamics/half_solve.h"
 #include "tuning.h"
 
 namespace hp {
@@ -100,7 +100,7 @@ class ContactSolver {
   // Writes the velocity with contact into `v` and impulses into `contacts`, whose impulses on entry
   // are the warm start. Stops at `tolerance` [m/s] or `max_sweeps`. `mass` [kg] of all that moves,
   // where a body on a track may squeeze others: else 0. `budget` [multiplications] is each island's.
-  SolveReport solve(const Model& m, const Kinematics& k, const Inertia& inertia, double h,
+  SolveReport solve(const Model& m, const Kinematics& k, const InertiaFactor& inertia, double h,
                     const double* v_free, double* v, std::vector<Contact>& contacts,
                     double tolerance, int max_sweeps, double mass = 0,
                     double budget = tuning::contact::kSolveWork);
@@ -110,7 +110,7 @@ class ContactSolver {
   struct System {
     const Model& m;
     const Kinematics& k;
-    const Inertia& inertia;
+    const InertiaFactor& inertia;
   };
   struct Island {
     const int* contact;  // indices of its contacts
@@ -150,15 +150,11 @@ class ContactSolver {
                   const Violation& violation);
   bool has_room() const { return (int)rows_.size() < tuning::contact::kMostJoined; }
   void join(const System& s, const Contact& c, int contact);
-  void half_solve(const System& s, int body);
-  void add_body(const System& s, const Endpoint& e, int l, double sign, const Vec3 axis[3]);
-  void add_bends(const System& s, const Endpoint& e, double sign, const Vec3 axis[3]);
-  void add_to_row(int dof, double n, double t, double s);
+  void push(const System& s, const Endpoint& e, double sign, const Vec3 axis[3]);
   void fill_blocks(int n);
 
   // of the whole solve
-  std::vector<double> body_y_;  // per body: chain length x 6
-  std::vector<int> body_slot_;  // offset into body_y_, -1: not yet
+  HalfSolve half_;
   std::vector<Twist> twists_, response_;
   std::vector<double> dv_, demand_;
   bool answered_ = false;  // dv_ is what the impulses of the island that was solved make
@@ -167,8 +163,7 @@ class ContactSolver {
   // of the island
   ContactProblem problem_;
   std::vector<Row> rows_;
-  std::vector<int> dof_, slot_;  // slot_: where a dof is in the row under way, -1: nowhere
-  std::vector<double> bend_;     // nv x 3, zero between uses
+  std::vector<int> dof_;
   std::vector<double> y_;        // three per entry of dof_, and a zero
   std::vector<double> scatter_;  // nv x 4, zero between uses
   std::vector<Waiting> worst_;

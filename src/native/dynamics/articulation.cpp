@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "dynamics/inertia.h"
+
 namespace hp {
 
 namespace tune = tuning::dynamics;

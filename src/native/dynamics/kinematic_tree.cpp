@@ -2,8 +2,6 @@
 
 #include <stdexcept>
 
-#include "math/simd.h"
-
 namespace hp {
 
 void Model::finish() {
@@ -20,6 +18,13 @@ void Model::finish() {
     root[b] = parent[b] == 0 ? b : root[parent[b]];
     last_dof[b] = dof_count[b] > 0 ? dof_first[b] + dof_count[b] - 1 : last_dof[parent[b]];
     for (int i = 0; i < dof_count[b]; i++) dof_body[dof_first[b] + i] = b;
+  }
+  trees.clear();
+  for (int b = 1, dofs = 0; b < nbody; b++) {
+    if (root[b] == b) trees.push_back({b, b, dofs, dofs});
+    need(root[b] == trees.back().first, "model: bodies of a tree must follow each other");
+    trees.back().last = b;
+    trees.back().dof_end = dofs += dof_count[b];
   }
   carried = mass;
   for (int b = nbody - 1; b > 0; b--) carried[parent[b]] += carried[b];
@@ -188,153 +193,6 @@ void integrate(const Model& m, double* qpos, const double* qvel, double t, const
       default:
         q[0] += t * v[0];
     }
-  }
-}
-
-Inertia::Composite Inertia::of_body(const Model& m, const Kinematics& k, int b) {
-  Composite c;
-  Vec3 r = k.xpos[b] + k.xmat[b] * m.ipos[b] - k.reference(m, b);
-  double mass = m.mass[b];
-  Mat3 R = k.xmat[b] * to_matrix(m.iquat[b]);
-  c.mass = mass;
-  c.moment = mass * r;
-  double rr = norm2(r);
-  static const int row[6] = {0, 1, 2, 0, 0, 1}, col[6] = {0, 1, 2, 1, 2, 2};
-  for (int e = 0; e < 6; e++) {
-    int i = row[e], j = col[e];
-    double s = 0;
-    for (int a = 0; a < 3; a++) s += R.m[3 * i + a] * m.inertia[b][a] * R.m[3 * j + a];
-    c.I[e] = s + mass * ((i == j ? rr : 0) - r[i] * r[j]);
-  }
-  return c;
-}
-
-Twist Inertia::Composite::operator*(const Twist& s) const {
-  return {
-      Vec3{I[0] * s.w.x + I[3] * s.w.y + I[4] * s.w.z, I[3] * s.w.x + I[1] * s.w.y + I[5] * s.w.z,
-           I[4] * s.w.x + I[5] * s.w.y + I[2] * s.w.z} +
-          cross(moment, s.v),
-      mass * s.v + cross(s.w, moment)};
-}
-
-void Inertia::compose(const Model& m, const Kinematics& k, const char* active) {
-  composite_.assign(m.nbody, {});
-  for (int b = 1; b < m.nbody; b++)
-    if (!active || active[b]) composite_[b] = of_body(m, k, b);
-  for (int b = m.nbody - 1; b > 0; b--) {
-    int p = m.parent[b];
-    if (p == 0 || (active && !active[b])) continue;
-    composite_[p].mass += composite_[b].mass;
-    composite_[p].moment += composite_[b].moment;
-    for (int e = 0; e < 6; e++) composite_[p].I[e] += composite_[b].I[e];
-  }
-  M.resize(m.chain.size());
-  for (int i = 0; i < m.nv; i++) {
-    if (active && !active[m.dof_body[i]]) continue;
-    // Momentum of the subtree under unit velocity of this dof, about the reference point.
-    const Twist momentum = composite_[m.dof_body[i]] * k.cdof[i];
-    double* row = &M[m.row_start[i]];
-    const int* dof = &m.chain[m.row_start[i]];
-    for (int a = 0; a < m.row_size[i]; a++)
-      row[a] = dot(k.cdof[dof[a]].w, momentum.w) + dot(k.cdof[dof[a]].v, momentum.v);
-    row[m.row_size[i] - 1] += m.armature[i];
-  }
-}
-
-void Inertia::factor(const Model& m, const std::vector<double>& scale,
-                     const std::vector<double>& extra, const char* active, const char* free) {
-  auto stays = [&](int dof) {
-    return (active && !active[m.dof_body[dof]]) || (free && !free[dof]);
-  };
-  L.resize(M.size());
-  inv_D.resize(m.nv);
-  root_D.resize(m.nv);
-  for (int i = 0; i < m.nv; i++) {
-    int start = m.row_start[i], n = m.row_size[i];
-    if (stays(i)) {
-      std::fill_n(&L[start], n, 0.0);
-      inv_D[i] = root_D[i] = 0;
-      continue;
-    }
-    for (int a = 0; a < n; a++) {
-      const double other = scale[m.chain[start + a]];
-      const double s = other == scale[i] ? other : 1 + std::sqrt((scale[i] - 1) * (other - 1));
-      L[start + a] = s * M[start + a];
-    }
-    L[start + n - 1] += scale[i] * extra[i];
-    for (int a = 0; free && a < n - 1; a++)
-      if (!free[m.chain[start + a]]) L[start + a] = 0;
-  }
-  // Chain by chain from its end: of a ball's three dofs each leaves the rows of those before it, then
-  // all three together those of the ancestors that they share.
-  for (int i = m.nv - 1, count; i >= 0; i -= count) {
-    count = 1;
-    if (active && !active[m.dof_body[i]]) continue;
-    const int* dof = &m.chain[m.row_start[i]];
-    while (count < 3 && i - count >= m.dof_first[m.dof_body[i]]) count++;
-    const int shared = m.row_size[i] - count;
-    double f[3] = {0, 0, 0};
-    const double* t[3] = {&L[m.row_start[i]], &L[m.row_start[i]], &L[m.row_start[i]]};
-    for (int k = 0; k < count; k++) {
-      double* row = &L[m.row_start[i - k]];
-      const int n = m.row_size[i - k] - 1;
-      t[k] = row;
-      if (stays(i - k)) continue;
-      f[k] = inv_D[i - k] = 1 / row[n];
-      root_D[i - k] = std::sqrt(f[k]);
-      for (int a = n - 1; a >= shared; a--) {
-        double* up = &L[m.row_start[dof[a]]];
-        for (int c = 0; c <= a; c++) up[c] -= row[a] * f[k] * row[c];
-      }
-    }
-    eliminate(L.data(), m.row_start.data(), dof, shared, t[0], t[1], t[2], f);
-    for (int k = 0; k < count; k++)
-      for (int a = 0; a < m.row_size[i - k] - 1; a++) L[m.row_start[i - k] + a] *= f[k];
-  }
-}
-
-void Inertia::solve(const Model& m, double* x) const {
-  for (int i = m.nv - 1; i >= 0; i--) {
-    const double* row = &L[m.row_start[i]];
-    const int* dof = &m.chain[m.row_start[i]];
-    double t = x[i];
-    if (t == 0) continue;
-    for (int a = 0; a < m.row_size[i] - 1; a++) x[dof[a]] -= row[a] * t;
-  }
-  for (int i = 0; i < m.nv; i++) x[i] *= inv_D[i];
-  half_solve_back(m, x);
-}
-
-void Inertia::half_solve_back(const Model& m, double* x) const {
-  for (int i = 0; i < m.nv; i++) {
-    const double* row = &L[m.row_start[i]];
-    const int* dof = &m.chain[m.row_start[i]];
-    double t = x[i];
-    for (int a = 0; a < m.row_size[i] - 1; a++) t -= row[a] * x[dof[a]];
-    x[i] = t;
-  }
-}
-
-void Inertia::multiply(const Model& m, int first, int last, const double* x, double* out) const {
-  shared_.resize(2 * (size_t)m.nv);
-  for (int b = first; b <= last; b++) std::fill_n(out + m.dof_first[b], m.dof_count[b], 0.0);
-  for (int b = first; b <= last; b++) {
-    const int from = m.dof_first[b], count = m.dof_count[b];
-    if (count == 0) continue;
-    const int n = m.row_size[from] - 1;
-    const int* dof = &m.chain[m.row_start[from]];
-    double *up = shared_.data(), *back = up + m.nv;  // x of the ancestors, and what they get
-    for (int a = 0; a < n; a++) up[a] = x[dof[a]], back[a] = 0;
-    for (int i = from; i < from + count; i++) {
-      const double* row = &M[m.row_start[i]];
-      out[i] += inner(row, up, n) + row[n + i - from] * x[i];
-      for (int j = from; j < i; j++) {
-        out[i] += row[n + j - from] * x[j];
-        out[j] += row[n + j - from] * x[i];
-      }
-      add_scaled(back, x[i], row, n);
-    }
-    for (int a = 0; a < n; a++) out[dof[a]] += back[a];
   }
 }
 

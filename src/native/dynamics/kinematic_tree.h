@@ -1,4 +1,4 @@
-// Trees of rigid bodies: kinematics, composite inertia, sparse factor (Featherstone 2008, ch. 4-6).
+// Trees of rigid bodies: their kinematics (Featherstone 2008, ch. 4).
 //
 // Conventions are MuJoCo's, so that its models can be read as they are: body 0 is the world, a
 // free joint has 7 coordinates (position, quaternion wxyz) and 6 velocities (linear in the world
@@ -29,7 +29,13 @@ struct Model {
   std::vector<double> armature;
 
   // Derived by finish():
-  std::vector<int> root;                 // per body: the body of its tree that hangs on the world
+  std::vector<int> root;  // per body: the body of its tree that hangs on the world
+  // The trees that hang on the world: their bodies and dofs, which follow each other.
+  struct Tree {
+    int first, last;         // bodies
+    int first_dof, dof_end;  // of all dofs, one past the last
+  };
+  std::vector<Tree> trees;
   std::vector<int> last_dof;             // per body: last dof that moves it, -1: fixed
   std::vector<double> carried;           // per body: mass of it and all that hangs on it [kg]
   std::vector<int> dof_body;             // per dof
@@ -50,6 +56,7 @@ struct Twist {
 };
 
 inline Twist operator+(Twist a, Twist b) { return {a.w + b.w, a.v + b.v}; }
+inline double dot(Twist a, Twist b) { return dot(a.w, b.w) + dot(a.v, b.v); }
 inline Twist scaled(double s, Twist a) { return {s * a.w, s * a.v}; }
 // Of a motion that is carried along by another one.
 inline Twist cross_motion(Twist v, Twist s) {
@@ -82,37 +89,5 @@ void carry(const Model& m, const Kinematics& k, const double* qvel, int body, Tw
 // qpos <- qpos moved along qvel for a time t, on the manifold; with `active` only those trees.
 void integrate(const Model& m, double* qpos, const double* qvel, double t,
                const char* active = nullptr);
-
-// The joint-space inertia matrix and its factor M = L^T D L, stored along the chains of dofs.
-struct Inertia {
-  std::vector<double> M;                 // rows as Model::chain, without scaling
-  std::vector<double> L, inv_D, root_D;  // factor of the matrix given to factor(); root_D = D^-1/2
-
-  // With `active` (per body) only of those trees: whatever is solved for, the others stay at zero.
-  void compose(const Model& m, const Kinematics& k, const char* active = nullptr);
-  double diagonal(const Model& m, int dof) const {
-    return M[m.row_start[dof] + m.row_size[dof] - 1];
-  }
-  // Factors scale_i * (M + diag(extra)); scale is constant within a tree. With `free` (per dof) only of
-  // those, as if the others could not move.
-  void factor(const Model& m, const std::vector<double>& scale, const std::vector<double>& extra,
-              const char* active = nullptr, const char* free = nullptr);
-  void solve(const Model& m, double* x) const;            // x <- matrix^-1 x
-  void half_solve_back(const Model& m, double* x) const;  // x <- L^-1 x, the last half of solve()
-  // out = M x on the dofs of bodies `first` to `last`, which are a tree.
-  void multiply(const Model& m, int first, int last, const double* x, double* out) const;
-
-  struct Composite {
-    double mass = 0;
-    Vec3 moment;                            // mass times centre of mass, about the reference point
-    double I[6] = {0, 0, 0, 0, 0, 0};       // xx yy zz xy xz yz about the reference point
-    Twist operator*(const Twist& s) const;  // momentum under a motion: angular, linear
-  };
-  static Composite of_body(const Model& m, const Kinematics& k, int body);  // of it alone
-
- private:
-  std::vector<Composite> composite_;
-  mutable std::vector<double> shared_;  // of the ancestors that a body's dofs have in common
-};
 
 }  // namespace hp

@@ -50,6 +50,11 @@ class Footing {
   double ground() const { return under_.highest(); }
   // Is this body the toes of a foot that rests on the ground?
   bool bears(int toes) const;
+  bool has_toes(int body) const {  // is it the toes of a foot?
+    for (const Leg& leg : model->legs)
+      if (leg.toes == body) return true;
+    return false;
+  }
   // The joints of this leg go on from where they are: its foot is elsewhere than it was to be.
   bool goes_on(size_t leg) const { return footwork_.stopped(leg); }
   // Share of its pace at which the root may go back along `way`, so that feet can follow.

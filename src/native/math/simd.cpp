@@ -178,6 +178,38 @@ HP_CLONES void eliminate(double* rows, const int* start, const int* at, int n, c
   }
 }
 
+HP_CLONES double give_way(double* I, const double* s, double e, double* gain) {
+  V lo = {0, 0, 0, 0}, hi = lo;
+  for (int k = 0; k < 6; k++) {
+    lo += s[k] * *(const V*)(I + 8 * k);
+    hi += s[k] * *(const V*)(I + 8 * k + 4);
+  }
+  double u[8];
+  *(V*)u = lo, *(V*)(u + 4) = hi;
+  double d = e;
+  for (int k = 0; k < 6; k++) d += s[k] * u[k];
+  const double f = 1 / d;
+  for (int k = 0; k < 6; k++) {
+    const double g = gain[k] = f * u[k];
+    *(V*)(I + 8 * k) -= g * lo;
+    *(V*)(I + 8 * k + 4) -= g * hi;
+  }
+  return d;
+}
+
+HP_CLONES void pass_up(double* p, const double* s, const double* gain, int count, const double* f,
+                       double* y) {
+  V w[6];
+  for (int k = 0; k < 6; k++) w[k] = *(const V*)(p + 4 * k);
+  for (int i = count - 1; i >= 0; i--, y += 4) {
+    V x = *(const V*)(f + 4 * i);
+    for (int k = 0; k < 6; k++) x += s[6 * i + k] * w[k];
+    for (int k = 0; k < 6; k++) w[k] -= gain[6 * i + k] * x;
+    *(V*)y = x;
+  }
+  for (int k = 0; k < 6; k++) *(V*)(p + 4 * k) = w[k];
+}
+
 HP_CLONES void meet(const double* x, const int* at, const double* y, int n, double* s) {
   V s0 = {0, 0, 0, 0}, s1 = s0, s2 = s0;
   for (int k = 0; k < n; k++) {
@@ -235,6 +267,31 @@ double inner(const double* x, const double* y, int n) {
   double s = (sum[0] + sum[1]) + (sum[2] + sum[3]);
   for (; i < n; i++) s += x[i] * y[i];
   return s;
+}
+
+double give_way(double* I, const double* s, double e, double* gain) {
+  double u[6] = {0, 0, 0, 0, 0, 0};
+  for (int k = 0; k < 6; k++)
+    for (int c = 0; c < 6; c++) u[c] += s[k] * I[8 * k + c];
+  double d = e;
+  for (int k = 0; k < 6; k++) d += s[k] * u[k];
+  const double f = 1 / d;
+  for (int k = 0; k < 6; k++) {
+    gain[k] = f * u[k];
+    for (int c = 0; c < 6; c++) I[8 * k + c] -= gain[k] * u[c];
+  }
+  return d;
+}
+
+void pass_up(double* p, const double* s, const double* gain, int count, const double* f,
+             double* y) {
+  for (int i = count - 1; i >= 0; i--, y += 4)
+    for (int q = 0; q < 4; q++) {
+      double x = f[4 * i + q];
+      for (int k = 0; k < 6; k++) x += s[6 * i + k] * p[4 * k + q];
+      for (int k = 0; k < 6; k++) p[4 * k + q] -= gain[6 * i + k] * x;
+      y[q] = x;
+    }
 }
 
 void meet(const double* x, const int* at, const double* y, int n, double* s) {

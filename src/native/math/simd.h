@@ -41,6 +41,14 @@ void add_scaled(double* y, double a, const double* x0, double b, const double* x
 void eliminate(double* rows, const int* start, const int* at, int n, const double* r0,
                const double* r1, const double* r2, const double* f);
 
+// Of a symmetric 6 x 6 matrix I in rows of 8: u = I s, d = s.u + e, gain = u / d, I -= gain u^T, and d.
+// (dynamics/inertia_factor.h)
+double give_way(double* I, const double* s, double e, double* gain);
+// For the `count` dofs of a body, from the last one to the first: x = f + s^T p, p -= gain x^T and y =
+// x, of three columns and a fourth; `p` has 6 rows of 4, `s` and `gain` 6 numbers per dof, `f` and `y`
+// 4, y in the order of the work (dynamics/half_solve.h).
+void pass_up(double* p, const double* s, const double* gain, int count, const double* f, double* y);
+
 // s[4 p + q] = sum over k of x[4 at[k] + p] y[4 k + q], p and q < 3: how two sparse rows meet.
 void meet(const double* x, const int* at, const double* y, int n, double* s);
 

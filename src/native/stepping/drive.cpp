@@ -101,20 +101,20 @@ namespace {
 // Firmness of a ball. Toes of a foot that is on the ground bear on it: as light as they are, they would
 // curl under the foot.
 double firmness(const Drive& d, const DriveSettings& s, int ball) {
-  const double lambda = d.stiffness()[ball];
-  if (!d.footing.on() || s.time_constant == 0 || lambda == 0 || !d.footing.bears(d.body(ball)))
-    return lambda;
-  return std::max(lambda, tuning::footing::kToeFirmness);
+  const double lambda = d.stiffness()[ball], toes = tuning::footing::kToeFirmness;
+  if (!d.footing.on() || s.time_constant == 0 || lambda == 0 || lambda >= toes) return lambda;
+  const int body = d.body(ball);
+  return d.footing.has_toes(body) && d.footing.bears(body) ? toes : lambda;
 }
 
 }  // namespace
 
-void Drive::added_inertia(const DriveSettings& s, double h, const Model& m, const Inertia& inertia,
+void Drive::added_inertia(const DriveSettings& s, double h, const Inertia& inertia,
                           std::vector<double>& extra) const {
   for (int i = 1; i < ball_count(); i++) {
     const int d = ball_dof(i);
     double mean = 0;
-    for (int c = 0; c < 3; c++) mean += inertia.diagonal(m, d + c) / 3;
+    for (int c = 0; c < 3; c++) mean += inertia.diagonal(d + c) / 3;
     for (int c = 0; c < 3; c++) extra[d + c] = s.resistance(firmness(*this, s, i), h) * mean;
   }
 }

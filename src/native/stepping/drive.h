@@ -26,7 +26,7 @@
 #include <vector>
 
 #include "dynamics/joint_range.h"
-#include "dynamics/kinematic_tree.h"
+#include "dynamics/inertia.h"
 #include "footing/footing.h"
 #include "stepping/drive_effort.h"
 #include "stepping/gentle_return.h"
@@ -121,7 +121,7 @@ class Drive : public PersonDofs {
   void set_stiffness(const double* lambda);
   const std::vector<double>& stiffness() const { return stiffness_; }
   // lambda times the mean of each joint's diagonal entries of M, into extra [nv of the model].
-  void added_inertia(const DriveSettings& s, double h, const Model& m, const Inertia& inertia,
+  void added_inertia(const DriveSettings& s, double h, const Inertia& inertia,
                      std::vector<double>& extra) const;
   double scale(const DriveSettings& s, double h) const;  // s of M^
 

@@ -26,8 +26,9 @@ void EffectiveInertia::finish(const Model& m) {
   scale_.assign(m.nv, 1);
 }
 
-void EffectiveInertia::build(const System& system, const State& state, const Step& step, double h) {
-  if (composed_ && factored_) return;
+void EffectiveInertia::add_up(const System& system, const State& state, const Step& step,
+                              double h) {
+  if (composed_ && added_up_) return;
   const World& world = system.world;
   if (!composed_) inertia_.compose(system.model, state.pose.kin, world.active.data());
   add_drives(system, step.resistance, h);
@@ -38,11 +39,18 @@ void EffectiveInertia::build(const System& system, const State& state, const Ste
   hold_untouched(system, step.resistance);
   stiffen_exits(system, state);
   if (system.drive_settings.joint_damping > 0) damp_joints(system, h);
-  inertia_.factor(system.model, scale_, total_, world.active.data());
   for (const Drive& d : system.drives)  // inactive people keep what is known of them
     if (system.active(d))
       std::copy_n(total_.begin() + d.first_dof(), d.dof_count(), added_.begin() + d.first_dof());
-  composed_ = factored_ = true;
+  composed_ = added_up_ = true;
+  factored_ = false;
+}
+
+void EffectiveInertia::build(const System& system, const State& state, const Step& step, double h) {
+  add_up(system, state, step, h);
+  if (factored_) return;
+  factor_.factor(system.model, inertia_, scale_, total_, system.world.active.data());
+  factored_ = true;
 }
 
 void EffectiveInertia::compose(const System& system, State& state) {
@@ -55,7 +63,8 @@ void EffectiveInertia::compose(const System& system, State& state) {
 void EffectiveInertia::multiply(const System& system, const Drive& d, const double* x,
                                 double* out) const {
   const Model& m = system.model;
-  inertia_.multiply(m, d.body(0), m.dof_body[d.first_dof() + d.dof_count() - 1], x, out);
+  for (const Model::Tree& tree : m.trees)
+    if (tree.first == m.root[d.body(0)]) inertia_.multiply(m, tree, x, out);
 }
 
 void EffectiveInertia::add_drives(const System& system, const JointResistance& r, double h) {
@@ -63,7 +72,7 @@ void EffectiveInertia::add_drives(const System& system, const JointResistance& r
   for (size_t p = 0; p < system.drives.size(); p++) {
     const Drive& d = system.drives[p];
     if (!system.active(d)) continue;
-    d.added_inertia(system.drive_settings, h, system.model, inertia_, drive_);
+    d.added_inertia(system.drive_settings, h, inertia_, drive_);
     const double s = d.scale(system.drive_settings, h);
     std::fill_n(scale_.begin() + d.first_dof(), d.dof_count(), s);
     if (r.rounds[p] == 0) continue;
@@ -92,7 +101,7 @@ void EffectiveInertia::stiffen_exits(const System& system, const State& state) {
     for (int i = d.first_dof() + 6; i < d.first_dof() + d.dof_count(); i++)
       total_[i] += (state.exit_path[system.model.dof_body[i]] ? tune::kExitPathInertia
                                                               : tune::kExitOtherInertia) *
-                   inertia_.diagonal(system.model, i);
+                   inertia_.diagonal(i);
   }
 }
 

@@ -9,7 +9,7 @@
 //     joints that nothing touches more (untouched_joints.h);
 //   - the firmness of bodies that come out of an initial overlap (exit_motion.h);
 //   - joint damping as a baseline (baselines/internal_forces.h).
-// The matrix is composed once per pose and factored once per set of resistances.
+// M is composed once per pose; M^ is factored once per set of resistances, where it is solved with.
 #pragma once
 #include <vector>
 
@@ -38,22 +38,25 @@ class EffectiveInertia {
   void finish(const Model& m);
   // The pose has changed: M is composed again when it is next needed.
   void forget() { composed_ = false; }
-  // A resistance has changed: M^ is factored again when it is next needed.
-  void refactor() { factored_ = false; }
-  // Composes and factors M^ at the present pose for a step of length h [s], unless that is known.
+  // A resistance has changed: M^ is made again when it is next needed.
+  void refactor() { added_up_ = factored_ = false; }
+  // Finds s, M and X at the present pose for a step of length h [s], unless they are known.
+  void add_up(const System& system, const State& state, const Step& step, double h);
+  // And factors M^, unless that is known.
   void build(const System& system, const State& state, const Step& step, double h);
   // Composes M alone, of the present pose, where it is not known. It is not kept as known.
   void compose(const System& system, State& state);
 
-  const Inertia& matrix() const { return inertia_; }
+  const Inertia& inertia() const { return inertia_; }          // M
+  const InertiaFactor& factor() const { return factor_; }      // of M^
   const std::vector<double>& scale() const { return scale_; }  // s, per dof
   // X of the drives and articulations alone, per dof.
   const std::vector<double>& drive_part() const { return drive_; }
-  // X as factored last, per dof of people.
+  // X as it was last, per dof of people.
   const std::vector<double>& added() const { return added_; }
   // out = M x on the rows of one person.
   void multiply(const System& system, const Drive& d, const double* x, double* out) const;
-  void solve(const Model& m, double* x) const { inertia_.solve(m, x); }  // x <- M^^-1 x
+  void solve(const Model& m, double* x) const { factor_.solve(m, x); }  // x <- M^^-1 x
 
  private:
   void add_drives(const System& system, const JointResistance& r, double h);
@@ -62,8 +65,9 @@ class EffectiveInertia {
   void damp_joints(const System& system, double h);
 
   Inertia inertia_;
+  InertiaFactor factor_;
   std::vector<double> scale_, drive_, total_, added_;
-  bool composed_ = false, factored_ = false;
+  bool composed_ = false, added_up_ = false, factored_ = false;
 };
 
 }  // namespace hp

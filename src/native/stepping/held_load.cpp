@@ -113,14 +113,13 @@ std::vector<double> yield(const System& system, const Inertia& inertia, const Dr
   const int first = d.first_dof(), end = first + d.dof_count(), count = (int)may.size();
   const std::vector<double> whole(model.nv, 1);
   std::vector<double> resistance(model.nv, 0), y, rate(count, tune::kLeastYieldRate);
-  Inertia body;
-  body.M = inertia.M;
+  InertiaFactor body;
   for (int round = 0; round < tune::kYieldRounds + tune::kSafeYieldRounds; round++) {
     const bool late = round >= tune::kYieldRounds;  // joints only give way more
     for (int k = 0; k < count; k++)
       std::fill_n(&resistance[d.limit_dof(k)], 3,
                   std::min(tune::kRigidResistance, may[k] / rate[k]));
-    body.factor(model, whole, resistance, system.world.active.data());
+    body.factor(model, inertia, whole, resistance, system.world.active.data());
     y.assign(model.nv, 0);
     for (int i = first; i < end; i++) y[i] = -need[i];
     body.solve(model, y.data());
@@ -155,7 +154,7 @@ void HeldLoad::bear(System& system, Data& data, const Drive& d, double h) const 
     most = std::max(most, std::fabs(wanted[i]));
   }
   if (most >= tune::kVelocityRounding) {
-    data.inertia.build(system, data.state, data.step, h);
+    data.inertia.add_up(system, data.state, data.step, h);
     data.inertia.multiply(system, d, wanted.data(), need.data());
   }
   for (int i = first; i < end; i++) need[i] += h * load_[i];
@@ -170,8 +169,8 @@ void HeldLoad::bear(System& system, Data& data, const Drive& d, double h) const 
               may[k] + tune::kVelocityRounding * tune::kVelocityRounding;
   }
   if (enough) return;
-  data.inertia.build(system, data.state, data.step, h);
-  const std::vector<double> y = yield(system, data.inertia.matrix(), d, need, may);
+  data.inertia.add_up(system, data.state, data.step, h);
+  const std::vector<double> y = yield(system, data.inertia.inertia(), d, need, may);
   data.result.disturbed[d.body(0)] = 1;
   d.unhindered(v_free.data());
   for (int i = first; i < end; i++) v_free[i] += wanted[i] + y[i];

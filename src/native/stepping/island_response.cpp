@@ -77,7 +77,7 @@ SolveReport IslandResponse::respond(const System& system, Data& data,
     }
     from = &self_.without_own(system, data);
   }
-  const SolveReport r = solver_.solve(system.model, data.state.pose.kin, data.inertia.matrix(), h,
+  const SolveReport r = solver_.solve(system.model, data.state.pose.kin, data.inertia.factor(), h,
                                       from->data(), v.data(), contacts, tolerance / h,
                                       system.world.settings.max_sweeps, mass, data.budget.solve());
   data.budget.spend(r.work);

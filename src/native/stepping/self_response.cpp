@@ -81,7 +81,6 @@ bool SelfResponse::solve(const System& system, Data& data, const std::vector<Con
   if (own_.empty()) return false;
   v_.resize(model.nv);
   const std::vector<double> resist = resistance(system, data);
-  inertia_.M = data.inertia.matrix().M;
   for (const bool whole : {false, true}) {
     free_.assign(model.nv, 0);
     for (const Contact& c : own_) {
@@ -89,9 +88,10 @@ bool SelfResponse::solve(const System& system, Data& data, const std::vector<Con
       make_room(model, system.world.shapes[k.shape].body, system.world.shapes[k.other_shape].body,
                 whole);
     }
-    inertia_.factor(model, data.inertia.scale(), resist, touches_.data(), free_.data());
+    factor_.factor(model, data.inertia.inertia(), data.inertia.scale(), resist, touches_.data(),
+                   free_.data());
     const SolveReport r =
-        solver.solve(model, data.state.pose.kin, inertia_, h, data.step.v_free.data(), v_.data(),
+        solver.solve(model, data.state.pose.kin, factor_, h, data.step.v_free.data(), v_.data(),
                      own_, tolerance, system.world.settings.max_sweeps, 0, data.budget.solve());
     data.budget.spend(r.work);
     data.result.diagnostics.sweeps += r.sweeps;

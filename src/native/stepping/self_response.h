@@ -43,7 +43,7 @@ class SelfResponse {
   bool met(const System& system, const State& state, double h);
 
   std::vector<char> free_;  // per dof: it gives way
-  Inertia inertia_;         // of the free dofs
+  InertiaFactor factor_;    // of the free dofs
   std::vector<Contact> own_;
   std::vector<char> touches_;  // per body: of people in contact with themselves
   std::vector<double> v_;      // v'

@@ -77,7 +77,7 @@ void StrengthLimits::limit(const System& system, Data& data, double h) {
     const int first = d.first_dof(), end = first + d.dof_count();
     for (int i = first; i < end; i++) change_[i] -= v_free[i];
     if (largest(d, change_.data()) < tune::kVelocityRounding) continue;
-    inertia.build(system, data.state, data.step, h);
+    inertia.add_up(system, data.state, data.step, h);
     const std::vector<double>& added = inertia.added();
     const double s = d.scale(system.drive_settings, h);
     bool less = false;
@@ -85,13 +85,14 @@ void StrengthLimits::limit(const System& system, Data& data, double h) {
       const int at = d.limit_dof(k);
       double own = 0;
       for (int c = 0; c < 3; c++)
-        own += s * (inertia.matrix().diagonal(system.model, at + c) + added[at + c]) / 3;
+        own += s * (inertia.inertia().diagonal(at + c) + added[at + c]) / 3;
       less |= cap(d, k, tune::kPullShare * h / own, s, change_.data());
     }
     std::fill(pushed_.begin(), pushed_.end(), 0.0);
     inertia.multiply(system, d, change_.data(), pushed_.data());
     for (int i = first; i < end; i++) pushed_[i] = s * (pushed_[i] + added[i] * change_[i]);
     if (cut(d, h, s, pushed_.data())) {
+      inertia.build(system, data.state, data.step, h);
       inertia.solve(system.model, pushed_.data());
       std::copy(pushed_.begin() + first, pushed_.begin() + end, change_.begin() + first);
       less = true;
@@ -229,7 +230,7 @@ bool StrengthLimits::give_in(System& system, Data& data, double h) {
     if (none) std::fill_n(r.share.begin() + first, count, 0.0);
     r.rounds[p] = none ? tune::kResistRounds + 1 : r.rounds[p] + 1;
   }
-  if (any) data.inertia.forget();
+  if (any) data.inertia.refactor();
   Probe& probe = data.probe;
   if (any && probe.tracing)
     probe.trace.overcome.insert(probe.trace.overcome.end(), data.step.v.begin(), data.step.v.end());

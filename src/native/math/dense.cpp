@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "math/simd.h"
 
@@ -9,32 +10,49 @@ namespace hp {
 
 namespace {
 
-// Columns first ... first + 2 among themselves, with what the rows of the pivots need of the rest;
-// rows below keep their factors in these columns. False if a pivot is too small.
-bool eliminate_three(double* a, int n, int first, double least_pivot, double* x, double* pivot[3]) {
+// Three columns of a matrix, each in a row, from the diagonal on down.
+struct Panel {
+  std::vector<double> column[3];
+
+  void load(const double* a, int n, int first) {
+    for (int k = 0; k < 3; k++) column[k].resize(n);
+    for (int r = first; r < n; r++)
+      for (int k = 0; k < 3; k++) column[k][r] = a[(long)r * n + first + k];
+  }
+};
+
+// Index of the entry of the largest size, from `first` on.
+int largest(const double* v, int first, int n) {
+  int best = first;
+  for (int r = first + 1; r < n; r++)
+    if (std::fabs(v[r]) > std::fabs(v[best])) best = r;
+  return best;
+}
+
+// Columns first ... first + 2 among themselves, with what the rows of the pivots need of the rest; the
+// panel has the factors of the rows below. False if a pivot is too small.
+bool eliminate_three(double* a, int n, int first, double least_pivot, double* x, Panel& panel) {
   const int rest = first + 3;
   bool regular = true;
-  auto row_at = [&](int r) { return a + (long)r * n; };
+  panel.load(a, n, first);
   for (int k = 0; k < 3; k++) {
     const int c = first + k;
-    int best = c;
-    for (int r = c + 1; r < n; r++)
-      if (std::fabs(row_at(r)[c]) > std::fabs(row_at(best)[c])) best = r;
-    pivot[k] = row_at(c);
+    double *own = panel.column[k].data(), *row = a + (long)c * n;
+    const int best = largest(own, c, n);
     if (best != c) {
-      std::swap_ranges(pivot[k] + first, pivot[k] + n, row_at(best) + first);
+      std::swap_ranges(row + rest, row + n, a + (long)best * n + rest);
+      for (std::vector<double>& column : panel.column) std::swap(column[best], column[c]);
       std::swap(x[best], x[c]);
     }
     for (int l = 0; l < k; l++)
-      add_scaled(pivot[k] + rest, -pivot[k][first + l], pivot[l] + rest, n - rest);
-    regular &= std::fabs(pivot[k][c]) > least_pivot;
-    const double inv = 1 / pivot[k][c];
-    for (int r = c + 1; r < n; r++) {
-      double* row = row_at(r);
-      const double f = row[c] *= inv;
-      for (int d = c + 1; d < rest; d++) row[d] -= f * pivot[k][d];
-      x[r] -= f * x[c];
-    }
+      add_scaled(row + rest, -panel.column[l][c], a + (long)(first + l) * n + rest, n - rest);
+    regular &= std::fabs(own[c]) > least_pivot;
+    const double inv = 1 / own[c];
+    for (int d = k; d < 3; d++) row[first + d] = panel.column[d][c];
+    for (int r = c + 1; r < n; r++) own[r] *= inv;
+    for (int d = k + 1; d < 3; d++)
+      add_scaled(&panel.column[d][c + 1], -panel.column[d][c], own + c + 1, n - c - 1);
+    add_scaled(x + c + 1, -x[c], own + c + 1, n - c - 1);
   }
   return regular;
 }
@@ -42,21 +60,18 @@ bool eliminate_three(double* a, int n, int first, double least_pivot, double* x,
 }  // namespace
 
 bool solve_dense(double* a, int n, double least_pivot, double* x) {
+  static thread_local Panel panel;
   for (int first = 0; first < n; first += 3) {
-    double* pivot[3];
-    if (!eliminate_three(a, n, first, least_pivot, x, pivot)) return false;
+    if (!eliminate_three(a, n, first, least_pivot, x, panel)) return false;
     const int rest = first + 3;
-    for (int r = rest; r < n; r++) {
-      double* row = a + (long)r * n;
-      add_scaled(row + rest, -row[first], pivot[0] + rest, -row[first + 1], pivot[1] + rest,
-                 -row[first + 2], pivot[2] + rest, n - rest);
-    }
+    const double* pivot = a + (long)first * n + rest;
+    subtract_three(a + (long)rest * n + rest, n, n - rest, &panel.column[0][first] + 3,
+                   &panel.column[1][first] + 3, &panel.column[2][first] + 3, pivot, pivot + n,
+                   pivot + 2 * n);
   }
   for (int r = n - 1; r >= 0; r--) {
     const double* row = a + (long)r * n;
-    double t = x[r];
-    for (int d = r + 1; d < n; d++) t -= row[d] * x[d];
-    x[r] = t / row[r];
+    x[r] = (x[r] - inner(row + r + 1, x + r + 1, n - r - 1)) / row[r];
   }
   return true;
 }

@@ -165,6 +165,17 @@ HP_CLONES void add_scaled(double* y, double a, const double* x0, double b, const
   for (; i < n; i++) y[i] += a * x0[i] + b * x1[i] + c * x2[i];
 }
 
+HP_CLONES void subtract_three(double* a, int stride, int n, const double* f, const double* g,
+                              const double* h, const double* p, const double* q, const double* u) {
+  for (int r = 0; r < n; r++, a += stride) {
+    const double x = f[r], y = g[r], z = h[r];
+    int i = 0;
+    for (; i + 4 <= n; i += 4)
+      *(V*)(a + i) -= x * *(const V*)(p + i) + y * *(const V*)(q + i) + z * *(const V*)(u + i);
+    for (; i < n; i++) a[i] -= x * p[i] + y * q[i] + z * u[i];
+  }
+}
+
 HP_CLONES void eliminate(double* rows, const int* start, const int* at, int n, const double* r0,
                          const double* r1, const double* r2, const double* f) {
   for (int a = 0; a < n; a++) {
@@ -292,6 +303,12 @@ void pass_up(double* p, const double* s, const double* gain, int count, const do
       for (int k = 0; k < 6; k++) p[4 * k + q] -= gain[6 * i + k] * x;
       y[q] = x;
     }
+}
+
+void subtract_three(double* a, int stride, int n, const double* f, const double* g, const double* h,
+                    const double* p, const double* q, const double* u) {
+  for (int r = 0; r < n; r++, a += stride)
+    for (int i = 0; i < n; i++) a[i] -= f[r] * p[i] + g[r] * q[i] + h[r] * u[i];
 }
 
 void meet(const double* x, const int* at, const double* y, int n, double* s) {

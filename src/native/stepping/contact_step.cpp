@@ -258,7 +258,7 @@ void ContactStep::rebound(double h) {
 bool ContactStep::extend_reach(bool last) {
   const World& world = system_.world;
   Attempt& attempt = data_.attempt;
-  travel_bounds(world.shapes, data_.state.pose, data_.step.end, world.active, way_);
+  way_ = data_.step.way(system_, data_.state);
   beyond_.clear();
   for (int i = 0; i < (int)attempt.reach.size(); i++) {
     if (!world.active[world.shapes[i].body]) continue;

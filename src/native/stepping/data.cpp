@@ -24,6 +24,13 @@ void Step::move(const System& system, const State& state, const std::vector<doub
     end.way[i] = active[system.model.dof_body[i]] ? h * vel[i] : 0;
 }
 
+const std::vector<double>& Step::way(const System& system, const State& state) {
+  if (way_stamp_ != end.stamp)
+    travel_bounds(system.world.shapes, state.pose, end, system.world.active, way_);
+  way_stamp_ = end.stamp;
+  return way_;
+}
+
 void FrameResult::clear(int nbody) {
   touches.clear();
   breaches.clear();

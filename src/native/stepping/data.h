@@ -45,6 +45,12 @@ struct Step {
 
   // The end pose of moving with velocities `vel` for h.
   void move(const System& system, const State& state, const std::vector<double>& vel, double h);
+  // Per shape: no point of it goes farther from the state's pose to the end pose [m].
+  const std::vector<double>& way(const System& system, const State& state);
+
+ private:
+  std::vector<double> way_;
+  uint64_t way_stamp_ = 0;  // of the end pose that it leads to
 };
 
 // A row that keeps one angle of a person's joint off one end of its range (joint_ranges.h).

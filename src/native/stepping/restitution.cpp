@@ -1,5 +1,7 @@
 #include "stepping/restitution.h"
 
+#include <algorithm>
+
 #include "tuning.h"
 
 namespace hp {
@@ -11,6 +13,11 @@ bool Rebounds::demand(const System& system, Data& data, double h) {
   const Kinematics& kin = data.state.pose.kin;
   const Step& step = data.step;
   const double time = step.gravity_time;
+  const auto pressed = [](const Contact& c) {
+    return c.restitution > 0 && dot(c.impulse, c.n) > 0;
+  };
+  const std::vector<Contact>& all = data.attempt.contacts;
+  if (std::none_of(all.begin(), all.end(), pressed)) return false;
   // (On this grid a parabola's own speed is half a substep's gravity from the velocity.)
   before_ = step.v_free;
   for (int b : system.objects)
@@ -27,7 +34,7 @@ bool Rebounds::demand(const System& system, Data& data, double h) {
   body_twists(model, kin, before_.data(), arrived_);
   bool any = false;
   for (Contact& c : data.attempt.contacts) {
-    if (c.restitution <= 0 || dot(c.impulse, c.n) <= 0) continue;
+    if (!pressed(c)) continue;
     const double arriving = approach(model, kin, c, arrived_, before_);
     if (arriving > -tune::kBounceSpeed) continue;
     const double turned = approach(model, kin, c, spun_, step.spin);

@@ -38,7 +38,7 @@ void SubStepping::measure_way() {
   Poses &start = data_.state.pose, &end = data_.step.end;
   if (way_stamp_ == end.stamp) return;
   way_stamp_ = end.stamp;
-  travel_bounds(world.shapes, start, end, world.active, way_);
+  way_ = data_.step.way(system_, data_.state);
   world.inner_travel(system_.model, start, end, inner_);
 }
 

@@ -49,10 +49,23 @@ bool waits(const System& system, const ContactCandidate& c, const std::vector<ch
 
 }  // namespace
 
+// A bound of the same for what does not get as far as its plane, without posing it; none where it may.
+static bool stays_off(const System& system, Data& data, ContactCandidate& c, double& least) {
+  if (c.overlap >= 0 || c.dist <= c.target) return false;
+  const std::vector<double>& way = data.step.way(system, data.state);
+  least = c.dist - c.target - way[c.shape] - (c.other_shape >= 0 ? way[c.other_shape] : 0) -
+          tune::kDistanceRounding;
+  if (least < 0 || least + c.target < c.hard) return false;
+  c.forgiven = false;
+  return true;
+}
+
 double excess(System& system, Data& data, size_t i) {
   World& world = system.world;
   Poses &start = data.state.pose, &end = data.step.end;
   std::vector<ContactCandidate>& candidates = data.attempt.candidates;
+  double least = 0;
+  if (stays_off(system, data, candidates[i], least)) return least;
   const double e = world.gap_check.excess(system.model, start, end, candidates[i]);
   ContactCandidate& c = candidates[i];
   if (!c.forgiven || c.triangle < 0 || c.searched ||

@@ -31,7 +31,7 @@ class Verification {
   std::vector<char> squeezed_;  // per person: a kinematic body is near
 };
 
-// Gap at the end pose minus target of candidate i [m]. Where its plane is forgiven, what it hides is
+// Gap at the end pose minus target of candidate i [m], or a lower bound of it that is positive. Where its plane is forgiven, what it hides is
 // to be searched; where very many such planes have been already, it is not forgiven.
 double excess(System& system, Data& data, size_t i);
 // Appends the candidates that forgiven planes had hidden. True if there are any.

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_NAMES
+from halfphysics.render.look import GHOST, PEOPLE
 from halfphysics.render.rasterizer import Camera, Color, Look, render
-from halfphysics.render.result_meshes import GHOST, PEOPLE, Drawing
+from halfphysics.render.result_meshes import Drawing
 from halfphysics.render.viewpoint import cameras, choose_direction, glass
 
 if TYPE_CHECKING:
@@ -226,12 +227,10 @@ def _draw(
         raise InputError(f"views: found {len(views)}, expected {len(picked)}, one for each frame")
     tiles = []
     for frame, camera in zip(picked, views, strict=True):
-        surfaces = drawing.surfaces(frame)
-        faint = glass(surfaces, camera, size)
-        if faint:
-            surfaces = drawing.surfaces(frame, faint=faint)
-        look = Look().aimed(camera, drawing.middle)
-        shown = list(surfaces.values())
+        faint = glass(drawing.surfaces(frame), camera, size)
+        shown = [*drawing.still(faint).values(), *drawing.moving(frame)]
+        shown += drawing.edges(camera, size[1])
+        look = Look.of(drawing.theme).aimed(camera, drawing.middle)
         tiles.append(render(shown, camera, size, samples=samples, look=look, threads=threads))
     return compose(drawing.result, picked, tiles, columns, size)
 

@@ -17,7 +17,8 @@ from halfphysics.viewer.contacts import ContactNodes
 from halfphysics.viewer.layers import show_support
 from halfphysics.viewer.page_head import head
 from halfphysics.viewer.server import close_server, open_server
-from halfphysics.viewer.stage import Stage, aim, light
+from halfphysics.viewer.stage import Stage, aim, light, middle
+from halfphysics.viewer.theme import style
 
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
@@ -25,6 +26,11 @@ if TYPE_CHECKING:
 #: A page plays at most this many frames per second; frames of faster results are skipped.
 MAX_FPS = 30.0
 _VIEW = (1280, 720)
+# viser's own colours are those that the reader's system has.
+_DARK = (
+    "<script>window.__VISER_EMBED_CONFIG__ = "
+    '{darkMode: matchMedia("(prefers-color-scheme: dark)").matches};</script>'
+)
 
 
 def save_page(
@@ -77,6 +83,7 @@ def save_page(
         recorder = server.get_scene_serializer()
         row = arrange(drawings, _VIEW)
         stages, contacts = _build(server, drawings, row)
+        lights = light(server, row.direction, row.reach)
         if support:
             for stage in stages:
                 show_support(server, stage)
@@ -86,13 +93,14 @@ def save_page(
             for frame in frames:
                 for stage in stages:
                     stage.show(min(frame, len(stage.drawing) - 1))
+                lights.follow(middle(stages))
                 recorder.insert_sleep(step / fps)
                 bar.update()
         bar.close()
         page = recorder.as_html()
         page = page.replace("<title>Viser</title>", f"<title>{html.escape(title)}</title>", 1)
         key = head(title, drawings, row, contacts, support, notes)
-        page = page.replace("</head>", f"{key}</head>", 1)
+        page = page.replace("</head>", f"<style>{style()}</style>{_DARK}{key}</head>", 1)
         file.write(page.encode("utf-8"))
     return Path(path)
 
@@ -117,8 +125,7 @@ def _build(
     server: Any, drawings: Sequence[Drawing], row: Arrangement
 ) -> tuple[list[Stage], list[int]]:
     """Build the scene; returns the stages and the kinds of contacts that occur."""
-    aim(server, row.camera(_VIEW))
-    light(server)
+    aim(server, row.first(_VIEW, panel=False))
     stages = [
         Stage(
             server,

@@ -9,8 +9,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.render.look import GHOST, PEOPLE
 from halfphysics.render.rasterizer import Color
-from halfphysics.render.result_meshes import GHOST, PEOPLE, Drawing
+from halfphysics.render.result_meshes import Drawing
 from halfphysics.results.hold_lines import hold_lines
 from halfphysics.viewer.arrange import Arrangement
 from halfphysics.viewer.contacts import KINDS
@@ -83,7 +84,7 @@ def head(
     """
     cameras = []
     for shape in _SHAPES:
-        camera = row.camera((round(shape * _HEIGHT), _HEIGHT))
+        camera = row.first((round(shape * _HEIGHT), _HEIGHT), panel=False)
         cameras.append([shape, _text(camera.position), _text(camera.target)])
     aim = _AIM % {"bar": _BAR, "cameras": json.dumps(cameras), "first": json.dumps(cameras[0])}
     # A title may hold any text, even the end tag of a script.

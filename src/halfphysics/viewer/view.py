@@ -13,14 +13,16 @@ import numpy as np
 from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.render.rasterizer import Camera
 from halfphysics.render.result_meshes import Drawing
 from halfphysics.viewer.arrange import arrange, floor_height
 from halfphysics.viewer.camera import Cameras
 from halfphysics.viewer.controls import Controls
-from halfphysics.viewer.framing import WINDOW
+from halfphysics.viewer.framing import WINDOW, on_people
 from halfphysics.viewer.layers import add_layers
 from halfphysics.viewer.served import Served
 from halfphysics.viewer.stage import Layer, Stage, aim, light
+from halfphysics.viewer.theme import add_sky
 from halfphysics.viewer.timeline import Timeline
 
 if TYPE_CHECKING:
@@ -74,14 +76,21 @@ class Viewer(Served):
         self._last = -math.inf  # time of the last update
         super().__init__(title, host, port)
         with self._starting():
-            light(self.server)
-            aim(self.server, row.camera(WINDOW))
             self.stages = self._build(drawings, row)
-            self.cameras = Cameras(self.server, self.stages, row.camera)
+
+            def home(window: tuple[int, int]) -> Camera:
+                return on_people(self.cameras.people(), row.direction, window)
+
+            self.cameras = Cameras(self.server, self.stages, home, row.camera)
+            self.cameras.following = True
+            self.lights = light(self.server, row.direction, row.reach)
+            add_sky(self.server)
+            aim(self.server, home(WINDOW))
             self.controls = Controls(self)
             self.timeline.play()
             for stage in self.stages:
                 stage.show(0)
+            self.lights.follow(self.cameras.subject())
 
     def _build(self, drawings: Sequence[Drawing], row: Any) -> list[Stage]:
         stages: list[Stage] = []
@@ -149,6 +158,8 @@ class Viewer(Served):
         with self.server.atomic() if late else contextlib.nullcontext():
             for k in late:
                 self.stages[k].show(frames[k])
+            if late:
+                self.lights.follow(self.cameras.subject())
         self.cameras.watch()
         self.cameras.follow()
         self.controls.refresh()

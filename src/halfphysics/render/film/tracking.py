@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.render.look import WALL
 from halfphysics.render.rasterizer import Camera
-from halfphysics.render.result_meshes import WALL, Drawing, Item
+from halfphysics.render.result_meshes import Drawing, Item
 from halfphysics.render.viewpoint import FOV, NEAR, choose_direction, facing, glass, spread
 
 Array = NDArray[np.float64]

@@ -1,0 +1,83 @@
+"""Edges of things, so that white walls and glass stand out from what is behind them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.render.creases import folds
+from halfphysics.render.look import EDGE_SHADE, EDGE_WIDTH, Color
+from halfphysics.render.rasterizer import Camera, Surface
+
+Array = NDArray[np.float64]
+
+# Edges that bend by more are drawn [degrees].
+_SHARP = 40.0
+# An edge is drawn outside of the faces beside it, by this along the normal of each [m].
+_LIFT = 0.001
+# More edges are not drawn: a scan has no edges, only noise.
+_MOST = 3000
+# An edge is drawn nearer than the faces beside it, by this share of its distance.
+_NEARER = 0.002
+
+
+def edges(surface: Surface) -> Array:
+    """Sharp and open edges of a mesh (E, 2, 3) [m]; none of a mesh that has very many.
+
+    They lie a little outside of the surface, so that it does not hide them.
+    """
+    found = folds(surface.vertices, surface.faces)
+    sharp = found.bend < np.cos(np.radians(_SHARP))
+    pairs = found.pairs[sharp]
+    out = _LIFT * (found.normals[pairs[:, 0]] + found.normals[pairs[:, 1]])
+    lifted = found.points[found.sides[sharp]] + out[:, None]
+    segments: Array = np.concatenate([lifted, found.points[found.lone]])
+    return segments if len(segments) <= _MOST else np.zeros((0, 2, 3))
+
+
+def shade(color: Color) -> Color:
+    """Colour of the edges of a thing of a colour."""
+    r, g, b = (EDGE_SHADE * c for c in color)
+    return r, g, b
+
+
+def drawn(segments: Array, color: Color, camera: Camera, height: int) -> Surface | None:
+    """Edges as thin strips that face the camera; None: no edge is in front of it.
+
+    Args:
+        segments: Edges, world frame (E, 2, 3) [m].
+        color: Colour of the thing.
+        camera: The camera.
+        height: Height of the picture [pixels].
+    """
+    axes = camera.axes()
+    local = (segments - camera.position) @ axes.T
+    # Cut at the near plane.
+    depth = local[..., 2]
+    seen = depth.max(axis=1) > 2.0 * camera.near
+    local = local[seen]
+    if not len(local):
+        return None
+    for end in (0, 1):
+        behind = local[:, end, 2] < 2.0 * camera.near
+        a, b = local[behind, end], local[behind, 1 - end]
+        share = (2.0 * camera.near - a[:, 2]) / (b[:, 2] - a[:, 2])
+        local[behind, end] = a + share[:, None] * (b - a)
+    flat = local[..., :2] / local[..., 2:]
+    along = flat[:, 1] - flat[:, 0]
+    along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
+    across = np.stack([-along[:, 1], along[:, 0]], axis=1)[:, None]
+    half = EDGE_WIDTH * np.tan(np.radians(0.5 * camera.fov)) / height
+    near = (1.0 - _NEARER) * local[..., 2:]
+    sides = [np.concatenate([(flat + s * half * across) * near, near], axis=2) for s in (-1, 1)]
+    corners = np.concatenate([sides[0], sides[1][:, ::-1]], axis=1).reshape(-1, 3)
+    first = 4 * np.arange(len(local))[:, None]
+    faces = np.concatenate([first + np.array(side) for side in ((0, 1, 2), (0, 2, 3))])
+    return Surface(
+        vertices=corners @ axes + camera.position,
+        faces=faces.astype(np.int32),
+        color=shade(color),
+        casts=False,
+        receives=False,
+        rim=0.0,
+    )

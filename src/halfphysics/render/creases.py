@@ -11,6 +11,7 @@ from halfphysics.geometry.mesh_queries import components
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Faces = NDArray[np.int32]
 
 # Vertices nearer than this are one [m]: many meshes have a copy of a vertex for each face.
 _SAME = 1e-6
@@ -71,7 +72,7 @@ def folds(vertices: Array, faces: NDArray[np.integer]) -> Folds:
     )
 
 
-def split(vertices: Array, faces: NDArray[np.integer], degrees: float) -> tuple[Array, Ints]:
+def split(vertices: Array, faces: NDArray[np.integer], degrees: float) -> tuple[Array, Faces]:
     """The same surface with a vertex for each smooth side of an edge that bends by more.
 
     A renderer that gives each vertex one normal then shades it with sharp edges.
@@ -94,4 +95,4 @@ def split(vertices: Array, faces: NDArray[np.integer], degrees: float) -> tuple[
     corners = found.faces.size
     group = np.asarray(components(corners, np.concatenate(joined)))
     _, first, index = np.unique(group, return_index=True, return_inverse=True)
-    return found.points[found.faces.reshape(-1)[first]], index.reshape(-1, 3)
+    return found.points[found.faces.reshape(-1)[first]], index.reshape(-1, 3).astype(np.int32)

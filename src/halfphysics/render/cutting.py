@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Faces = NDArray[np.int32]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -23,7 +24,7 @@ class Cut:
 
     ends: Ints
     share: Array
-    faces: Ints
+    faces: Faces
 
     def of(self, values: Array) -> Array:
         """Values at the part's vertices (N, ...) from those at the mesh's (V, ...)."""
@@ -71,4 +72,4 @@ def cut(field: Array, faces: NDArray[np.integer]) -> Cut:
     corners = np.arange(len(field))
     ends = np.concatenate([np.stack([corners, corners], axis=1), edges])
     share = np.concatenate([np.zeros(len(field)), a / (a - b)])
-    return Cut(ends=ends[used], share=share[used], faces=out.reshape(-1, 3))
+    return Cut(ends=ends[used], share=share[used], faces=out.reshape(-1, 3).astype(np.int32))

@@ -19,13 +19,16 @@ class Theme:
 
     Attributes:
         top, horizon: The sky at the upper edge of a picture, and where the ground ends.
-        ground: The ground and its squares.
+        ground, line: The ground, and its lines.
+        edge: Brightness of edges, as a multiple of that of their thing.
         ink, plate: Text, and what it is written on.
     """
 
     top: Color
     horizon: Color
-    ground: tuple[Color, Color]
+    ground: Color
+    line: Color
+    edge: float
     ink: Color
     plate: Color
 
@@ -33,14 +36,18 @@ class Theme:
 LIGHT = Theme(
     top=(0.78, 0.835, 0.89),
     horizon=(0.945, 0.955, 0.965),
-    ground=((0.855, 0.87, 0.885), (0.80, 0.82, 0.84)),
+    ground=(0.835, 0.85, 0.868),
+    line=(0.715, 0.738, 0.762),
+    edge=0.55,
     ink=(0.13, 0.15, 0.18),
     plate=(1.0, 1.0, 1.0),
 )
 DARK = Theme(
     top=(0.055, 0.065, 0.085),
     horizon=(0.165, 0.18, 0.205),
-    ground=((0.20, 0.215, 0.235), (0.245, 0.26, 0.28)),
+    ground=(0.205, 0.222, 0.245),
+    line=(0.33, 0.35, 0.38),
+    edge=1.35,
     ink=(0.90, 0.92, 0.94),
     plate=(0.10, 0.11, 0.13),
 )
@@ -68,7 +75,7 @@ SHOES: Color = (0.86, 0.85, 0.82)
 
 #: The reference motion: a blue ghost of this opacity where it is away from the body.
 GHOST: Color = (0.25, 0.51, 0.94)
-GHOST_ALPHA = 0.32
+GHOST_ALPHA = 0.30
 #: Distances from the body over which the ghost appears [m]: below the first it is not drawn.
 GHOST_FADE = (0.01, 0.03)
 
@@ -94,8 +101,10 @@ WALL: Color = (0.88, 0.87, 0.84)
 #: Opacity of a static that hides people: glass.
 GLASS_ALPHA = 0.16
 
-#: Edges of statics are drawn this wide [pixels], in their own colour times the shade.
-EDGE_WIDTH, EDGE_SHADE = 1.3, 0.55
+#: Distance of the lines on the ground [m], and their width in a picture [pixels].
+GRID, GRID_WIDTH = 0.5, 0.9
+#: Width of the edges of statics [pixels].
+EDGE_WIDTH = 1.3
 
 # -- light ----------------------------------------------------------------------------------------
 

@@ -1,4 +1,4 @@
-"""Edges of things, so that white walls and glass stand out from what is behind them."""
+"""Lines in pictures: edges, so that white walls and glass stand out, and squares on the ground."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.render.creases import folds
-from halfphysics.render.look import EDGE_SHADE, EDGE_WIDTH, Color
+from halfphysics.render.look import EDGE_WIDTH, GRID, Color, Theme
 from halfphysics.render.rasterizer import Camera, Surface
 
 Array = NDArray[np.float64]
@@ -35,20 +35,50 @@ def edges(surface: Surface) -> Array:
     return segments if len(segments) <= _MOST else np.zeros((0, 2, 3))
 
 
-def shade(color: Color) -> Color:
+def shade(color: Color, theme: Theme) -> Color:
     """Colour of the edges of a thing of a colour."""
-    r, g, b = (EDGE_SHADE * c for c in color)
+    r, g, b = (min(theme.edge * c, 1.0) for c in color)
     return r, g, b
 
 
-def drawn(segments: Array, color: Color, camera: Camera, height: int) -> Surface | None:
-    """Edges as thin strips that face the camera; None: no edge is in front of it.
+def squares(middle: Array, reach: float, z: float) -> Array:
+    """Lines of squares on a level ground, at whole multiples of `GRID` (L, 2, 3) [m].
 
     Args:
-        segments: Edges, world frame (E, 2, 3) [m].
-        color: Colour of the thing.
+        middle: Point around which they lie; only x and y count.
+        reach: They end at this distance from it [m].
+        z: Height of the ground [m].
+    """
+    lines = []
+    for axis in (0, 1):
+        low, high = middle[axis] - reach, middle[axis] + reach
+        for at in GRID * np.arange(np.ceil(low / GRID), np.floor(high / GRID) + 1):
+            half = np.sqrt(max(reach**2 - (at - middle[axis]) ** 2, 0.0))
+            ends = np.full((2, 3), z)
+            ends[:, axis] = at
+            ends[:, 1 - axis] = middle[1 - axis] + np.array([-half, half])
+            lines.append(ends)
+    return np.array(lines).reshape(-1, 2, 3)
+
+
+def drawn(
+    segments: Array,
+    color: Color,
+    camera: Camera,
+    height: int,
+    *,
+    width: float = EDGE_WIDTH,
+    fade: tuple[float, float] | None = None,
+) -> Surface | None:
+    """Lines as thin strips that face the camera; None: no line is in front of it.
+
+    Args:
+        segments: Lines, world frame (E, 2, 3) [m].
+        color: Their colour.
         camera: The camera.
         height: Height of the picture [pixels].
+        width: Of the lines [pixels].
+        fade: As in `Surface`.
     """
     axes = camera.axes()
     local = (segments - camera.position) @ axes.T
@@ -67,7 +97,7 @@ def drawn(segments: Array, color: Color, camera: Camera, height: int) -> Surface
     along = flat[:, 1] - flat[:, 0]
     along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
     across = np.stack([-along[:, 1], along[:, 0]], axis=1)[:, None]
-    half = EDGE_WIDTH * np.tan(np.radians(0.5 * camera.fov)) / height
+    half = width * np.tan(np.radians(0.5 * camera.fov)) / height
     near = (1.0 - _NEARER) * local[..., 2:]
     sides = [np.concatenate([(flat + s * half * across) * near, near], axis=2) for s in (-1, 1)]
     corners = np.concatenate([sides[0], sides[1][:, ::-1]], axis=1).reshape(-1, 3)
@@ -76,8 +106,8 @@ def drawn(segments: Array, color: Color, camera: Camera, height: int) -> Surface
     return Surface(
         vertices=corners @ axes + camera.position,
         faces=faces.astype(np.int32),
-        color=shade(color),
+        color=color,
         casts=False,
-        receives=False,
         rim=0.0,
+        fade=fade,
     )

@@ -25,6 +25,7 @@ from halfphysics.render.look import (
     GHOST,
     GHOST_ALPHA,
     GLASS_ALPHA,
+    GRID_WIDTH,
     LIGHT,
     OBJECTS,
     PEOPLE,
@@ -43,8 +44,9 @@ Array = NDArray[np.float64]
 _WALL_HEIGHT, _WALL_WIDTH = 1.9, 3.0
 # A plane is drawn this far beyond the story [m]; its outer part fades out.
 _PLANE_MARGIN = 7.0
-# The ghost is drawn only where it is off the body by more than this [m].
-_GHOST_BIAS = 0.004
+# A ghost is drawn only where it is this far in front of what is behind it [m]: a ghost a little
+# nearer to the camera than the body would paint all of it blue.
+_GHOST_BIAS = 0.05
 #: Edges of scene meshes that bend by more stay sharp [degrees].
 CREASE = 50.0
 
@@ -111,9 +113,7 @@ def _plane_surface(static: Any, middle: Array, radius: float, theme: Theme) -> S
     return Surface(
         vertices=centre + corners @ axes[:2],
         faces=np.array([[0, 1, 2], [0, 2, 3]]),
-        color=theme.ground[0] if level else WALL,
-        checker=theme.ground[1] if level else None,
-        checker_size=0.5,
+        color=theme.ground if level else WALL,
         cull="back",  # a plane is not drawn from below or behind, where it would hide the story
         casts=False,
         rim=0.0,
@@ -286,11 +286,19 @@ class Drawing:
         return shown + ghosts
 
     def edges(self, camera: Camera, height: int) -> list[Surface]:
-        """Edges of the statics in a picture of this height [pixels]."""
-        strips = (
-            outlines.drawn(segments, color, camera, height)
+        """Edges of the statics, and the ground's lines, in a picture of this height [pixels]."""
+        strips = [
+            outlines.drawn(segments, outlines.shade(color, self.theme), camera, height)
             for color, segments in self._edges.items()
-        )
+        ]
+        for item in self.statics.values():
+            surface = item.surface
+            if surface.fade is not None and camera.position[2] > surface.vertices[0, 2]:
+                lines = outlines.squares(self.middle, surface.fade[1], surface.vertices[0, 2])
+                width, line = GRID_WIDTH, self.theme.line
+                strips.append(
+                    outlines.drawn(lines, line, camera, height, width=width, fade=surface.fade)
+                )
         return [strip for strip in strips if strip is not None]
 
     @cached_property

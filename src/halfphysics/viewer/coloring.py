@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS
-from halfphysics.render.cutting import cut
+from halfphysics.render.cutting import Faces, cut
 from halfphysics.render.rasterizer import Color
 from halfphysics.viewer.bones import Bones
 from halfphysics.viewer.figure import rgb, shrunk, strongest
@@ -59,7 +59,7 @@ def level(force: Array | float) -> Any:
 
 def patch(
     field: Array, vertices: Array, faces: NDArray[np.integer], weights: Array
-) -> tuple[Array, Ints, Array]:
+) -> tuple[Array, Faces, Array]:
     """The part of a surface on which a field is not negative, cut along its zero line.
 
     Args:

@@ -116,6 +116,10 @@ class Figure:
         )
         self._senders[name] = used, Bones([self.handles[name]], fast=fast)
 
+    def bones_of(self, name: str) -> Ints:
+        """The bones of a piece, indices into `joints`."""
+        return self._senders[name][0]
+
     @property
     def visible(self) -> bool:
         """Whether the figure is drawn. If not, poses are only sent when it is shown again."""

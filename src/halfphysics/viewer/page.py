@@ -83,7 +83,7 @@ def save_page(
         recorder = server.get_scene_serializer()
         row = arrange(drawings, _VIEW)
         stages, contacts = _build(server, drawings, row)
-        lights = light(server, row.direction, row.reach)
+        lights = light(server, row.direction.tolist(), row.reach)
         if support:
             for stage in stages:
                 show_support(server, stage)

@@ -164,7 +164,7 @@ class Playground(Served):
             # All cameras go to the new view.
             self.cameras = Cameras(self.server, [self.stage], self._home, row.camera)
             self.cameras.following = self.panel.following
-            self.lights = light(self.server, row.direction, row.reach)
+            self.lights = light(self.server, row.direction.tolist(), row.reach)
         else:
             self.cameras.stages = [self.stage]
         self._row, self._story, self._shown = row, session.story, None

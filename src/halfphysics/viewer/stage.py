@@ -193,7 +193,7 @@ class Stage:
     def pose(
         self, person: int, positions: Array, quaternions: Array, *, ghost: bool = False
     ) -> None:
-        """Move one person or ghost.
+        """Move one person or ghost. A ghost fades by the person's pose: move the person first.
 
         Args:
             person: Index of the person.
@@ -207,7 +207,7 @@ class Stage:
                 self._joints[person] = positions
             poses = self._poses[person]
             poses[ghost] = positions, quaternions
-            if len(poses) == 2:
+            if ghost and len(poses) == 2:
                 self.ghosts[person].fade(self._apart[person].of(poses[False], poses[True]))
 
     def joints(self) -> list[Array]:
@@ -260,7 +260,9 @@ class Stage:
             if name not in without and item.surface.cull != "back":
                 found.append(outlines.edges(item.at(0)))
                 # viser takes these colours as linear light.
-                light = np.rint(255 * linear(outlines.shade(item.surface.color)))
+                light = np.rint(
+                    255 * linear(outlines.shade(item.surface.color, self.drawing.theme))
+                )
                 shade = light.astype(np.uint8)
                 colors.append(np.broadcast_to(shade, found[-1].shape))
         segments = np.concatenate(found) if found else np.zeros((0, 2, 3))
@@ -302,7 +304,7 @@ def add_mesh(server: Any, name: str, item: Item, opacity: float | None) -> Any:
     surface = item.surface
     # A closed mesh is drawn one-sided: no shadow stripes, and one layer if translucent.
     solid = is_closed(surface.faces, len(surface.vertices))
-    vertices, faces = surface.vertices, np.asarray(surface.faces)
+    vertices, faces = surface.vertices, surface.faces
     flat = surface.crease < 180.0 and len(faces) > _MOST_SPLIT
     if surface.crease < 180.0 and not flat:
         vertices, faces = split(vertices, faces, surface.crease)

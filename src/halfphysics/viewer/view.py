@@ -83,7 +83,7 @@ class Viewer(Served):
 
             self.cameras = Cameras(self.server, self.stages, home, row.camera)
             self.cameras.following = True
-            self.lights = light(self.server, row.direction, row.reach)
+            self.lights = light(self.server, row.direction.tolist(), row.reach)
             add_sky(self.server)
             aim(self.server, home(WINDOW))
             self.controls = Controls(self)

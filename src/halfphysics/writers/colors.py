@@ -28,7 +28,7 @@ def props_coloured(props: Iterable[Prop]) -> Iterator[tuple[Prop, Color]]:
             moving += 1
         else:
             size = np.ptp(rot.rotate(prop.quaternion[0], prop.vertices), axis=0)
-            yield prop, LIGHT.ground[0] if size[2] < 1e-9 else statics.of(prop.name, size)
+            yield prop, LIGHT.ground if size[2] < 1e-9 else statics.of(prop.name, size)
 
 
 def linear(color: Color) -> list[float]:

@@ -19,7 +19,7 @@ from halfphysics.render.film.options import FilmOptions
 from halfphysics.render.film.overlay import Overlay, Place
 from halfphysics.render.film.sampling import sampled
 from halfphysics.render.film.tracking import Story, hiding, track
-from halfphysics.render.look import GHOST, PEOPLE
+from halfphysics.render.look import DARK, GHOST, LIGHT, PEOPLE
 from halfphysics.render.rasterizer import Camera, Look, Surface, render
 from halfphysics.render.result_meshes import Drawing
 
@@ -81,7 +81,10 @@ class Shoot:
         self.size = options.pixels(len(results))
         places = _places(self.size, len(results), options)
         # `Sampled` has all attributes of a result that `Drawing` uses.
-        drawings = [Drawing(cast(Any, sampled(r, f))) for r, f in zip(results, frames, strict=True)]
+        theme = DARK if options.dark else LIGHT
+        drawings = [
+            Drawing(cast(Any, sampled(r, f)), theme) for r, f in zip(results, frames, strict=True)
+        ]
         self._count = len(frames[0])
         self._views = _views(drawings, options, places, rate)
         key = (("asked for", GHOST), ("with a body", PEOPLE[0])) if options.ghost else ()

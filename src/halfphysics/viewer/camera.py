@@ -10,6 +10,7 @@ import math
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,8 @@ PRESETS = ("Front", "Side", "Top", "Hands")
 
 # Time constant of following [s], and the pause after the user moves the camera [s].
 _LATE, _HANDS_OFF = 0.25, 0.4
+# A browser reports the camera that it was given within this time [s].
+_ARRIVES = 2.0
 # A camera reported within this distance of the one sent [m] was not moved by the user.
 _SAME = 1e-3
 _RECENT = 60
@@ -34,6 +37,8 @@ _RECENT = 60
 _SHAPE = 0.05
 # Margins around joints [m]: for a body (half a head, a foot) and for a hand.
 _BODY, _HAND = 0.16, 0.05
+# Mean distance of the outermost skin from the nearest joint, in height [m].
+_SKIN = 0.08
 # Least distance of the camera in presets [m].
 _LEAST = 0.6
 
@@ -103,6 +108,20 @@ class Follower:
         self._touched = -math.inf
 
 
+@dataclass(frozen=True)
+class _Home:
+    """When a browser's camera was last set to the first view: its window, the camera, the subject.
+
+    Until the browser reports that camera it may still report an older one, which is no hand of a
+    user.
+    """
+
+    window: tuple[int, int]
+    camera: Camera
+    subject: Array
+    time: float
+
+
 class Cameras:
     """The cameras of all browsers.
 
@@ -127,10 +146,11 @@ class Cameras:
         self._server = server
         self.stages = stages
         self._home, self._everything = home, everything or home
-        # Per browser: its window when its camera was last set home, and that camera.
-        self._homes: dict[int, tuple[tuple[int, int], Camera]] = {}
+        self._homes: dict[int, _Home] = {}
         self._followers: dict[int, Follower] = {}
-        # Browsers that see everything: they do not follow.
+        # Browsers with another view than the first; of these, those that see everything: they do
+        # not follow.
+        self._elsewhere: set[int] = set()
         self._resting: set[int] = set()
         self._last = time.monotonic()
         self.following = False
@@ -139,8 +159,11 @@ class Cameras:
         """Set a browser's camera to the first view."""
         window = _window(client)
         camera = self._home(window)
-        self._homes[client.client_id] = window, camera
+        home = _Home(window, camera, self.subject(), time.monotonic())
+        self._homes[client.client_id] = home
+        self._followers.pop(client.client_id, None)
         self._put(client, camera)
+        self._elsewhere.discard(client.client_id)
 
     def everything(self, client: Any) -> None:
         """Set a browser's camera to the view of everything; it then follows nobody."""
@@ -160,10 +183,12 @@ class Cameras:
             if index not in self._homes:
                 self.home(client)
                 continue
-            window, camera = self._homes[index]
+            home = self._homes[index]
+            window, camera = home.window, home.camera
             first = self._server.initial_camera
             follower = self._followers.get(index)
             untouched = follower is not None and not follower.touched
+            untouched &= index not in self._elsewhere
             if untouched or _at(client, camera.position, camera.target):
                 lost = _reshaped(window, _window(client))
             else:
@@ -214,14 +239,19 @@ class Cameras:
             if index in self._resting:
                 continue
             if index not in self._followers:
+                home = self._homes.get(index)
+                there = home is not None and _at(client, home.camera.position, home.camera.target)
+                if home is not None and not there and now - home.time < _ARRIVES:
+                    continue
                 self._followers[index] = Follower(position, look_at)
-                if index in self._homes and _at(client, *_pose(self._homes[index][1])):
-                    self._followers[index].put(position, look_at, subject)
+                if home is not None and there:
+                    self._followers[index].put(position, look_at, home.subject)
             moved = self._followers[index].move(position, look_at, subject, now, dt)
             if moved is not None:
                 _aim(client, *moved)
 
     def _put(self, client: Any, camera: Camera) -> None:
+        self._elsewhere.add(client.client_id)
         self._resting.discard(client.client_id)
         _aim(client, camera.position, camera.target)
         if client.client_id in self._followers:
@@ -234,7 +264,7 @@ class Cameras:
 
     def people(self) -> Array:
         """Points around the people as shown now, in the world (N, 3) [m]."""
-        return _around(np.concatenate(self._people()), _BODY)
+        return _around(np.concatenate(self._people()), _SKIN)
 
     def _people(self) -> list[Array]:
         """Joints (55, 3) of each person as shown now, in the world [m]."""
@@ -259,10 +289,6 @@ def _around(joints: Array, room: float) -> Array:
     """Corners of a cube around each joint."""
     corners = room * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
     return (joints[:, None] + corners).reshape(-1, 3)
-
-
-def _pose(camera: Camera) -> tuple[Array, Array]:
-    return camera.position, camera.target
 
 
 def _window(client: Any) -> tuple[int, int]:

@@ -113,8 +113,8 @@ class Playground(Served):
             # Not `advance`: a command posted meanwhile may start a story that needs another stage.
             if session.make() is not None:
                 self.simulating += _SMOOTH * (session.seconds - self.simulating)
-        self._show()
         self.cameras.watch()
+        self._show()
         self.panel.refresh(now=asked)
 
     def _show(self) -> None:

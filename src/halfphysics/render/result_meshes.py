@@ -145,6 +145,10 @@ class Drawing:
         self.statics: Mapping[str, Item] = MappingProxyType(self._build_statics())
         self.objects: Mapping[str, Item] = MappingProxyType(self._build_objects())
 
+    def in_theme(self, theme: Theme) -> Drawing:
+        """The same drawing with other surroundings."""
+        return self if theme is self.theme else Drawing(self.result, theme)
+
     def __len__(self) -> int:
         """Number of frames."""
         return len(self.result.motion)

@@ -14,6 +14,7 @@ from halfphysics.errors import InputError
 from halfphysics.render.result_meshes import Drawing
 from halfphysics.viewer.arrange import Arrangement, arrange
 from halfphysics.viewer.contacts import ContactNodes
+from halfphysics.viewer.first_picture import with_first_picture
 from halfphysics.viewer.layers import show_support
 from halfphysics.viewer.page_head import head
 from halfphysics.viewer.server import close_server, open_server
@@ -101,6 +102,7 @@ def save_page(
         page = page.replace("<title>Viser</title>", f"<title>{html.escape(title)}</title>", 1)
         key = head(title, drawings, row, contacts, support, notes)
         page = page.replace("</head>", f"<style>{style()}</style>{_DARK}{key}</head>", 1)
+        page = with_first_picture(page, drawings, row)
         file.write(page.encode("utf-8"))
     return Path(path)
 

@@ -133,7 +133,7 @@ def save_contact_sheet(
     threads: int = 1,
     views: Sequence[Camera] | None = None,
 ) -> Path:
-    """Writes a PNG of key frames: body solid, ghost (the motion as recorded) translucent blue.
+    """Writes a PNG of key frames: simulated body solid, ghost (the reference) translucent blue.
 
     One direction of view is chosen for all pictures so that body and ghost appear apart and few
     items hide them; a wall that still hides the story is drawn as glass.
@@ -283,7 +283,7 @@ def compose(
             text = _fitted(draw, text, font, size[0] - 4)
             draw.text((x + 2, y + size[1] + 4 + row * line), text, fill=ink, font=font)
     x, y = _MARGIN + 2, height - _MARGIN - line + 4
-    for text, color in (("as asked for", GHOST), ("with a body", PEOPLE[0])):
+    for text, color in (("reference", GHOST), ("simulated", PEOPLE[0])):
         draw.rectangle([x, y + 1, x + _TEXT - 2, y + _TEXT - 1], fill=_bytes(color))
         draw.text((x + _TEXT + 4, y), text, fill=_INK, font=font)
         x += _TEXT + 28 + int(draw.textlength(text, font=font))

@@ -17,6 +17,11 @@ _SHARP = 40.0
 _LIFT = 0.001
 # More edges are not drawn: a scan has no edges, only noise.
 _MOST = 3000
+# A line is drawn in pieces of at most this length [pixels], and in at most so many: the renderer
+# visits every sample of a triangle's bounding box.
+_PIECE, _PIECES = 48.0, 60
+# Pieces outside of a picture that is this many times wider than high are left out.
+_WIDEST = 4.0
 # An edge is drawn nearer than the faces beside it, by this share of its distance.
 _NEARER = 0.002
 
@@ -61,6 +66,29 @@ def squares(middle: Array, reach: float, z: float) -> Array:
     return np.array(lines).reshape(-1, 2, 3)
 
 
+def _short(local: Array, most: float) -> Array:
+    """The same lines in pieces of equal length in the picture, in camera space (P, 2, 3) [m].
+
+    Args:
+        local: Lines before the camera (E, 2, 3) [m].
+        most: Largest length of a piece, at depth 1 m.
+    """
+    flat = local[..., :2] / local[..., 2:]
+    length = np.linalg.norm(flat[:, 1] - flat[:, 0], axis=1)
+    count = np.clip(np.ceil(length / most), 1, _PIECES).astype(int)
+    line = np.repeat(np.arange(len(local)), count)
+    first = np.concatenate([[0], np.cumsum(count)[:-1]])
+    step = np.arange(len(line)) - first[line]
+    start, end = local[line, 0], local[line, 1]
+    ends = []
+    for k in (step, step + 1):
+        share = (k / count[line])[:, None]
+        # From a share of the length in the picture to one in space.
+        share = share * start[:, 2:] / (end[:, 2:] + share * (start[:, 2:] - end[:, 2:]))
+        ends.append(start + share * (end - start))
+    return np.stack(ends, axis=1)
+
+
 def drawn(
     segments: Array,
     color: Color,
@@ -93,11 +121,18 @@ def drawn(
         a, b = local[behind, end], local[behind, 1 - end]
         share = (2.0 * camera.near - a[:, 2]) / (b[:, 2] - a[:, 2])
         local[behind, end] = a + share[:, None] * (b - a)
+    tangent = float(np.tan(np.radians(0.5 * camera.fov)))
+    local = _short(local, 2.0 * _PIECE * tangent / height)
     flat = local[..., :2] / local[..., 2:]
+    limit = tangent * np.array([_WIDEST, 1.1])
+    outside = (flat > limit).all(axis=1) | (flat < -limit).all(axis=1)
+    flat, local = flat[~outside.any(axis=1)], local[~outside.any(axis=1)]
+    if not len(local):
+        return None
     along = flat[:, 1] - flat[:, 0]
     along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
     across = np.stack([-along[:, 1], along[:, 0]], axis=1)[:, None]
-    half = width * np.tan(np.radians(0.5 * camera.fov)) / height
+    half = width * tangent / height
     near = (1.0 - _NEARER) * local[..., 2:]
     sides = [np.concatenate([(flat + s * half * across) * near, near], axis=2) for s in (-1, 1)]
     corners = np.concatenate([sides[0], sides[1][:, ::-1]], axis=1).reshape(-1, 3)

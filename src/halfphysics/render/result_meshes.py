@@ -331,7 +331,7 @@ class Drawing:
 
         Args:
             frame: Index, 0 to T-1.
-            ghost: Include the motion as recorded.
+            ghost: Include the reference.
             faint: Names of statics to draw as thin glass, because they hide the story.
         """
         return self.still(faint) | self.story(frame, ghost=ghost)

@@ -87,7 +87,7 @@ class Shoot:
         ]
         self._count = len(frames[0])
         self._views = _views(drawings, options, places, rate)
-        key = (("asked for", GHOST), ("with a body", PEOPLE[0])) if options.ghost else ()
+        key = (("reference", GHOST), ("simulated", PEOPLE[0])) if options.ghost else ()
         self._overlay = Overlay(
             self.size,
             [view.place for view in self._views],

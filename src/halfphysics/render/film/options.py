@@ -41,7 +41,7 @@ class FilmOptions:
     end: float | None = None
     """Where in the story it ends [s]; None: with the story."""
     ghost: bool = True
-    """Show the motion as recorded, translucent."""
+    """Show the reference, translucent."""
     label: tuple[str, ...] = ()
     """Text in the corner: one for each result, or one for each view."""
     text: bool = True

@@ -93,7 +93,7 @@ def contact_rows(result: Result) -> list[Row]:
         marks = tuple(
             _contact_mark(result, part, force[part]) for part in np.split(chosen, cuts)
         )
-        found.append(Row(_label(number), KINDS[number].color, marks))
+        found.append(Row(kind_label(number), KINDS[number].color, marks))
     return found
 
 
@@ -124,7 +124,8 @@ def _events(result: Result) -> Events | None:
         return None
 
 
-def _label(kind: int) -> str:
+def kind_label(kind: int) -> str:
+    """The label of the row of a kind of contact."""
     return KINDS[kind].label.replace("on a person, by", "contact with").replace(
         "on an object", "contact of objects"
     )

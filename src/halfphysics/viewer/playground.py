@@ -13,6 +13,7 @@ from halfphysics.viewer.contacts import ContactNodes
 from halfphysics.viewer.dragging import draggable
 from halfphysics.viewer.framing import WINDOW
 from halfphysics.viewer.live_contacts import LiveContacts
+from halfphysics.viewer.live_wire import LiveWire
 from halfphysics.viewer.pace import Pace
 from halfphysics.viewer.panel.panel import Panel
 from halfphysics.viewer.provisional import provisional
@@ -78,6 +79,7 @@ class Playground(Served):
         with self._starting():
             light(self.server)
             self.panel = Panel(self)
+            self.wire = LiveWire(self)
             self._set_stage()
             self._show()
 
@@ -114,6 +116,7 @@ class Playground(Served):
         self._show()
         self.cameras.watch()
         self.panel.refresh(now=asked)
+        self.wire.refresh()
 
     def _show(self) -> None:
         """Show the frame if it is new and a browser is connected."""
@@ -130,6 +133,7 @@ class Playground(Served):
             for name in self._objects:
                 stage.place(name, *frame.objects[name])
             self._contacts.show(0)
+        self.wire.frame()
         self.cameras.follow()
         self._shown = frame
         self.updates += 1
@@ -176,6 +180,7 @@ class Playground(Served):
             if draggable(session.simulator, name):
                 self._let_drag(name)
         self.panel.show_story()
+        self.wire.new_story()
 
     def _let_drag(self, name: str) -> None:
         handle = self.stage.object(name)

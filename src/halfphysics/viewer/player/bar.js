@@ -86,6 +86,9 @@ class Bar {
 
   /** Shows rows of marks: [{label, color, marks: [[start, end, text], ...]}, ...]. */
   setMarks(rows) {
+    const state = `${JSON.stringify(rows)}${this.clock.duration}`;
+    if (state === this.marked) return;
+    this.marked = state;
     this.marks = rows;
     const share = (time) => `${(100 * time) / Math.max(this.clock.duration, 1e-9)}%`;
     this.rows.replaceChildren(...rows.map((row) =>

@@ -72,7 +72,11 @@ async function startPage(packed) {
     whenReady(() => {
       clock.playing = true;
       frameLoop(() => {
-        clock.duration = Math.max((reel.frames - 1) / data.fps, drops.seconds);
+        const duration = Math.max((reel.frames - 1) / data.fps, drops.seconds);
+        if (duration !== clock.duration) {
+          clock.duration = duration;
+          bar.setMarks(data.marks);
+        }
         clock.tick();
         const now = frame();
         reel.show(now);
@@ -135,23 +139,29 @@ function startServed() {
     let skin = null; // contacts of all frames, of each result
     let points = []; // or those of now, of each person
     let painted = "";
+    let loads = null;
+    let last = "";
     heard.push(async (said) => {
+      // The server builds its scene anew, which a page that is open cannot follow.
+      if (loads !== null && "loads" in said && said.loads !== loads) return location.reload();
+      if ("loads" in said) loads = said.loads;
       if (said.clock) clock.hear(said.clock);
-      if (said.say) say(said.say, 10);
+      if (!said.points) {
+        if (said.say && said.say !== last) say(said.say, 8);
+        last = said.say;
+      }
+      if (said.marks) bar.setMarks(said.marks);
       if (said.points) [points, painted] = [said.points, ""];
-      if ("paint" in said) [paint.on, painted] = [said.paint, ""];
-      if (said.data && said.data !== data.name) await takeData(said.data);
+      if ("paint" in said && said.paint !== paint.on) [paint.on, painted] = [said.paint, ""];
+      if (said.data && JSON.stringify(said.data) !== data.name) await takeData(said.data);
     });
 
     async function takeData(said) {
-      // A file of data: it is too large for a message, and a server that shows something else has
-      // built its scene anew, which a page that is open cannot follow.
-      if (data.name) return location.reload();
       const found = typeof said === "string" ? await (await fetch(said)).json() : said;
-      data = { ...found, name: typeof said === "string" ? said : undefined };
+      data = { ...found, name: JSON.stringify(said) };
       document.title = data.title;
       paint.ramp = new SkinForces(data.ramp).ramp;
-      bar.setMarks(data.marks);
+      if (data.marks) bar.setMarks(data.marks);
       compare.setChoices(data.compare);
       skin = data.skin;
       painted = "";

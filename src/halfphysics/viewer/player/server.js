@@ -1,14 +1,14 @@
-// The wire between this page and the server of `view` and `play`: two invisible text fields of viser,
-// one that we write and one that the server writes (viewer/remote.py).
+// The wire between this page and the server of `view` and `play`: invisible text fields of viser, `out`
+// that we write, `in` and `now` that the server writes (viewer/remote.py).
 
-const wire = { out: null, in: null, upload: null };
+const wire = { out: null, in: null, now: null, upload: null };
 const MINE = "halfphysics-wire";
 const heard = []; // called with everything that the server says
 
 watchers.push((message) => {
   if (message.type === "GuiTextMessage" && (message.props.label || "").startsWith(MINE)) {
     wire[message.props.label.slice(MINE.length + 1)] = message.uuid;
-    if (message.uuid === wire.in) hear(message.value);
+    if (message.uuid !== wire.out) hear(message.value);
     return false;
   }
   if (message.type === "GuiUploadButtonMessage") wire.upload = message.uuid;
@@ -17,8 +17,9 @@ watchers.push((message) => {
     if (share < 1) say(`Sending the file: ${Math.round(100 * share)} %`);
     return true;
   }
-  if (message.type === "GuiUpdateMessage" && message.uuid === wire.in) hear(message.updates.value);
-  return false;
+  if (message.type !== "GuiUpdateMessage" || ![wire.in, wire.now].includes(message.uuid)) return false;
+  hear(message.updates.value);
+  return true;
 });
 
 function hear(text) {

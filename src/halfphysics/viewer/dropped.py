@@ -52,10 +52,16 @@ class Dropped:
             return open_result(path)
         except HalfPhysicsError as error:
             shutil.rmtree(folder, ignore_errors=True)
-            raise InputError(str(error).replace(f"{folder}/", "")) from None
+            raise InputError(_shortened(str(error).replace(f"{folder}/", ""))) from None
 
     def close(self) -> None:
         """Remove the files."""
         if self._folder is not None:
             shutil.rmtree(self._folder, ignore_errors=True)
             self._folder = None
+
+
+def _shortened(message: str) -> str:
+    """A message that fits over the scene: without the list of all formats."""
+    found, said, _ = message.partition(" Expected one of: ")
+    return f"{found} Formats that are read: halfphysics formats" if said else message

@@ -111,4 +111,4 @@ def body_data(body: Body) -> dict[str, Any]:
 def packed(values: NDArray[Any], kind: str) -> str:
     """An array as deflated base64: the lowest bytes of all numbers, then the second ones, ..."""
     flat = np.ascontiguousarray(values.astype(kind)).reshape(-1, 1)
-    return base64.b64encode(zlib.compress(flat.view(np.uint8).T.tobytes(), 9)).decode("ascii")
+    return base64.b64encode(zlib.compress(flat.view(np.uint8).T.tobytes(), 6)).decode("ascii")

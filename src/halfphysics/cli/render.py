@@ -70,7 +70,7 @@ class Command:
         check_output(out, *sources)
         results = opened(sources, self.motion, self.person)
         if kind == "page":
-            self._page(results, out)
+            self._page(results, sources, out)
         else:
             self._pictures(results, sources, out, kind)
         print(f"{kind}: {out}")
@@ -87,7 +87,7 @@ class Command:
             )
         return kinds[suffix]
 
-    def _page(self, results: list[Result], out: Path) -> None:
+    def _page(self, results: list[Result], sources: list[Path], out: Path) -> None:
         from dataclasses import replace
 
         from halfphysics.viewer.page import MAX_FPS, save_page
@@ -97,10 +97,12 @@ class Command:
                 f"{out}: of the options only --fps, --support and one --label (its title) are for "
                 "a page, in which the viewer moves the camera and the time"
             )
+        names = [source.stem for source in sources]
         save_page(
             results,
             out,
-            title=self.film.label[0] if self.film.label else "halfphysics",
+            title=self.film.label[0] if self.film.label else " | ".join(names),
+            labels=names,
             max_fps=MAX_FPS if self.film.fps is None else self.film.fps,
             support=self.support,
             progress=progress(),

@@ -67,14 +67,15 @@ def camera_data(
 def layer_data(stages: Sequence[Stage], support: bool) -> list[dict[str, Any]]:
     """The layers that a page can show and hide: parents of nodes."""
 
-    def layer(name: str, label: str, node: str, on: bool = True) -> dict[str, Any]:
-        return {"id": name, "label": label, "on": on, "nodes": [s.path(node) for s in stages]}
+    def layer(name: str, label: str, *nodes: str) -> dict[str, Any]:
+        paths = [stage.path(node) for stage in stages for node in nodes]
+        return {"id": name, "label": label, "on": True, "nodes": paths}
 
     there = {name for stage in stages for name in stage.layers}
     contacts = any(len(stage.drawing.result.contacts.frame) for stage in stages)
     found = [
-        layer(name, label, node)
-        for name, label, node in (
+        layer(name, label, *nodes)
+        for name, label, *nodes in (
             ("body", "Body", "person"),
             ("ghost", "Ghost", "ghost"),
             ("objects", "Objects", "object"),

@@ -7,6 +7,7 @@ const MARGIN = { body: 0.16, hands: 0.06 }; // around joints [m]
 const FILLED = { home: 0.66, body: 0.8, hands: 0.7 }; // filled share of the window
 const LEAST = 0.6; // least distance from the middle [m]
 const LATE = 0.25; // time constant of following [s]
+const ZOOM = 0.6; // time constant of the distance, where several people part or meet [s]
 
 const add = (a, b, s = 1) => a.map((x, k) => x + s * b[k]);
 const dot = (a, b) => a.reduce((sum, x, k) => sum + x * b[k], 0);
@@ -64,10 +65,18 @@ function homeView(frame) {
   return framed(corners(at.low, at.high, MARGIN.body), data.direction, FILLED.home, windowShape());
 }
 
+/** The distance from which several people fill the window; 1 for one person. */
+function distanceAt(frame) {
+  if (data.people.length < 2) return 1;
+  const [position, target] = homeView(frame);
+  return Math.hypot(...add(position, target, -1));
+}
+
 class PageCameras {
   constructor() {
     this.following = data.follow;
     this.middle = trackAt(0).middle;
+    this.distance = distanceAt(0);
     this.last = performance.now();
   }
 
@@ -75,6 +84,7 @@ class PageCameras {
     const [p, t] = [toThree(position), toThree(target)];
     viser.cameraControl.setLookAt(p.x, p.y, p.z, t.x, t.y, t.z, false);
     this.middle = trackAt(frame).middle;
+    this.distance = distanceAt(frame);
     redraw();
   }
 
@@ -93,24 +103,28 @@ class PageCameras {
     say(this.following ? "The camera follows." : "The camera stays.", 1.5);
   }
 
-  /** Moves along with the people; angle and distance stay. */
+  /** Moves along with the people; the angle stays, and for one person the distance. */
   tick(frame) {
     const now = performance.now();
     const passed = Math.min((now - this.last) / 1000, 0.25);
     this.last = now;
     const middle = trackAt(frame).middle;
+    const distance = distanceAt(frame);
     if (!this.following) {
-      this.middle = middle;
+      [this.middle, this.distance] = [middle, distance];
       return;
     }
     const way = add(middle, this.middle, -1);
-    if (Math.hypot(...way) < 1e-3) return;
+    const zoom = (distance / this.distance) ** -Math.expm1(-passed / ZOOM);
+    if (Math.hypot(...way) < 1e-3 && Math.abs(zoom - 1) < 1e-4) return;
+    this.distance *= zoom;
     const step = way.map((x) => x * -Math.expm1(-passed / LATE));
     this.middle = add(this.middle, step);
     const controls = viser.cameraControl;
     const from = fromThree(controls.getPosition(viser.camera.position.clone()));
     const target = fromThree(controls.getTarget(viser.camera.position.clone()));
-    const [p, t] = [toThree(add(from, step)), toThree(add(target, step))];
+    const orbit = add(from, target, -1).map((x) => x * zoom);
+    const [p, t] = [toThree(add(add(target, orbit), step)), toThree(add(target, step))];
     controls.setLookAt(p.x, p.y, p.z, t.x, t.y, t.z, false);
     redraw();
   }

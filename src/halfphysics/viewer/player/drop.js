@@ -91,10 +91,9 @@ class PageDrops {
   }
 
   async openPage(file) {
-    if (!(await file.text()).includes("__VISER_EMBED_DATA__")) {
-      throw new NpzError("it is no page of halfphysics");
-    }
-    location.assign(URL.createObjectURL(file));
+    const text = await file.text();
+    if (!text.includes("__VISER_EMBED_DATA__")) throw new NpzError("it is no page of halfphysics");
+    location.assign(URL.createObjectURL(new Blob([text], { type: "text/html" })));
   }
 
   async body() {

@@ -24,9 +24,7 @@ def files(tmp_path_factory):
 
 def test_results_and_motions_are_opened_with_their_options(files):
     walk, result = files
-    first, second = opened(
-        [walk, result], MotionOptions(frames="2:7"), BodyOptions(stature=1.9)
-    )
+    first, second = opened([walk, result], MotionOptions(frames="2:7"), BodyOptions(stature=1.9))
     assert (len(first), len(second)) == (5, 12)
     assert is_untouched(first)
     assert first.people[0].body.mass > second.people[0].body.mass

@@ -48,7 +48,9 @@ def test_a_sequence_is_shown_with_its_bodies_and_things(motion):
     assert result.people[0].body is small
     assert result.people[1].body.mass != small.mass
     np.testing.assert_array_equal(result.objects["cup"].position, moved.position)
-    np.testing.assert_array_equal(result.objects["ball"].position, np.tile([2.0, 0.0, 0.1], (12, 1)))
+    np.testing.assert_array_equal(
+        result.objects["ball"].position, np.tile([2.0, 0.0, 0.1], (12, 1))
+    )
 
 
 def test_a_result_stays_and_other_things_are_refused(motion):

@@ -238,8 +238,10 @@ def test_the_skin_for_dropped_people_is_the_bodys(page):
     weights = whole("weights", "<u2").reshape(-1, 4) / 65535
     np.testing.assert_allclose(weights.sum(axis=1), 1.0, atol=1e-4)
     strongest = np.argmax(body.weights, axis=1)
-    np.testing.assert_array_equal(np.asarray(body.weights)[np.arange(len(indices)), indices[:, 0]],
-                                  np.asarray(body.weights)[np.arange(len(indices)), strongest])
+    np.testing.assert_array_equal(
+        np.asarray(body.weights)[np.arange(len(indices)), indices[:, 0]],
+        np.asarray(body.weights)[np.arange(len(indices)), strongest],
+    )
 
 
 def test_importing_the_page_does_not_import_viser():

@@ -34,7 +34,9 @@ def page(request, story, tmp_path_factory):
     with tab(folder, WINDOWS[request.param]) as one:
         one.page.set_default_timeout(60_000)  # a browser that draws in software is slow
         one.open(story)
-        one.until(lambda: one.evaluate("Boolean(window.halfphysics && halfphysics.reel.shown >= 0)"))
+        one.until(
+            lambda: one.evaluate("Boolean(window.halfphysics && halfphysics.reel.shown >= 0)")
+        )
         one.quiet()
         one.name, one.width, one.height = request.param, *WINDOWS[request.param]
         one.kept = artefacts(folder)

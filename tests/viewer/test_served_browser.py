@@ -73,9 +73,7 @@ def test_keys_of_view(page, viewer):
     for key, frame in (("Home", 0), ("ArrowRight", 1), ("ArrowLeft", 0), ("End", FRAMES - 1)):
         press(key)
         page.until(lambda frame=frame: timeline.frame() == frame)
-        page.until(
-            lambda: abs(page.evaluate("halfphysics.clock.shown") - timeline.time) < 1e-3
-        )
+        page.until(lambda: abs(page.evaluate("halfphysics.clock.shown") - timeline.time) < 1e-3)
     following = viewer.cameras.following
     press("f")
     page.until(lambda: viewer.cameras.following is not following)

@@ -72,6 +72,8 @@ def test_the_document_has_the_contacts_of_the_frames_that_are_shown():
         place = 1e-3 * np.array(document["place"]).reshape(-1, 3)[rows]
         expected = rest[contacts.part[mine]] + [0.05, 0.0, 0.0]
         np.testing.assert_allclose(place, expected, atol=6e-4)  # millimetres
-    shown = {JOINT_NAMES[p] for p in contacts.part[np.isin(at, frames) & (force >= LEAST)] if p >= 0}
+    shown = {
+        JOINT_NAMES[p] for p in contacts.part[np.isin(at, frames) & (force >= LEAST)] if p >= 0
+    }
     assert shown == {"right_foot", "right_shoulder"}
     assert JOINT_INDEX["right_foot"] in contacts.part

@@ -53,7 +53,9 @@ def unfolded(page):
     if page.name != "phone":
         return
     button = page.page.locator(BUTTON).first
-    page.until(lambda: not button.is_visible() or page.box(BUTTON)[1] > page.page.viewport_size["height"])
+    page.until(
+        lambda: not button.is_visible() or page.box(BUTTON)[1] > page.page.viewport_size["height"]
+    )
     page.page.click("text='halfphysics'")
     page.until(lambda: button.is_visible() and page.box(BUTTON)[3] < 844)
 

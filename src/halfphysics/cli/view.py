@@ -20,13 +20,11 @@ halfphysics view walk.npz"""
 class Command:
     """Show results and motions in a browser, several side by side; Ctrl-C ends it.
 
-    Files that are dropped onto the page are shown, too. Prints the address to open. On a machine without a display, reach it through an SSH tunnel;
-    the command to do so is printed too.
+    Files that are dropped onto the page are shown, too. Prints the address to open. On a machine
+    without a display, reach it through an SSH tunnel; the command to do so is printed too.
     """
 
-    files: Annotated[
-        tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="RESULT|MOTION")
-    ]
+    files: Annotated[tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="RESULT|MOTION")]
     """Results of `simulate`, or motion files; the first decides where to look from."""
     port: int = 8080
     """Port to listen on; where it is in use, the next one that is free."""

@@ -12,7 +12,7 @@ from halfphysics.viewer.figure import Figure
 from halfphysics.viewer.motions import is_untouched
 from halfphysics.viewer.stage import Stage
 
-#: Name of the node below which the references of a stage are; hidden, except in a half of a picture.
+#: Node below which the references of a stage are; hidden, except in a half of a picture.
 REFERENCE = "reference"
 # Nodes of a stage that only one of two results has, beside its statics.
 _OWN = ("person", "ghost", "object", "contact", "support", "label", "edges")

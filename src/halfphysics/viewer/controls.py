@@ -217,7 +217,7 @@ class Controls:
         elif name == "follow":
             self._switch_follow()
         elif name == "compare":
-            viewer.do(lambda: [each.switch(bool(value)) for each in viewer.references])
+            viewer.do(lambda: viewer.compare(bool(value)))
 
     def _switch_follow(self) -> None:
         cameras = self._viewer.cameras

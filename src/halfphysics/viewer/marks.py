@@ -1,8 +1,9 @@
 """The marks of a time line: when there are contacts, holds, slips and drops.
 
-- A contact of a kind (`contacts.KINDS`): frames in which the contacts of that kind exert forces of at
-  least `LEAST` on one pair; pauses of up to `PAUSE` are part of it.
-- Holds, slips and drops: as `labels.events` defines them. A drop goes from the release to the landing.
+- A contact of a kind (`contacts.KINDS`): frames in which a contact of that kind exerts a force of
+  at least `LEAST`; pauses of up to `PAUSE` are part of it.
+- Holds, slips and drops: as `labels.events` defines them. A drop goes from the release to the
+  landing.
 """
 
 from __future__ import annotations
@@ -90,9 +91,7 @@ def contact_rows(result: Result) -> list[Row]:
         frame = np.asarray(contacts.frame)[chosen]
         # Of one interval: the rows between two pauses.
         cuts = np.flatnonzero(np.diff(frame) > PAUSE * result.fps + 1.0) + 1
-        marks = tuple(
-            _contact_mark(result, part, force[part]) for part in np.split(chosen, cuts)
-        )
+        marks = tuple(_contact_mark(result, part, force[part]) for part in np.split(chosen, cuts))
         found.append(Row(kind_label(number), KINDS[number].color, marks))
     return found
 
@@ -126,8 +125,10 @@ def _events(result: Result) -> Events | None:
 
 def kind_label(kind: int) -> str:
     """The label of the row of a kind of contact."""
-    return KINDS[kind].label.replace("on a person, by", "contact with").replace(
-        "on an object", "contact of objects"
+    return (
+        KINDS[kind]
+        .label.replace("on a person, by", "contact with")
+        .replace("on an object", "contact of objects")
     )
 
 

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 from halfphysics.errors import InputError
 from halfphysics.render.result_meshes import Drawing
 from halfphysics.viewer.arrange import Arrangement, arrange
-from halfphysics.viewer.contacts import ContactNodes
 from halfphysics.viewer.comparison import References, has_reference
+from halfphysics.viewer.contacts import ContactNodes
 from halfphysics.viewer.layers import show_support
 from halfphysics.viewer.motions import as_result
 from halfphysics.viewer.page_data import body_data, camera_data, common_data, layer_data

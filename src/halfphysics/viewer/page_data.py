@@ -51,9 +51,7 @@ def common_data(
     }
 
 
-def camera_data(
-    stages: Sequence[Stage], row: Arrangement, frames: Sequence[int]
-) -> dict[str, Any]:
+def camera_data(stages: Sequence[Stage], row: Arrangement, frames: Sequence[int]) -> dict[str, Any]:
     """What the cameras of a page need, by the page's frames."""
     boxes = track([stage.drawing for stage in stages], row.offsets, frames)
     return {
@@ -101,7 +99,9 @@ def body_data(body: Body) -> dict[str, Any]:
     order = np.argsort(-weights, axis=1, kind="stable")[:, :4]
     return {
         "vertices": packed(np.round(np.asarray(body.rest_vertices) / GRAIN), "<i2"),
-        "faces": packed(np.diff(np.asarray(body.faces, dtype=np.int64).reshape(-1), prepend=0), "<i4"),
+        "faces": packed(
+            np.diff(np.asarray(body.faces, dtype=np.int64).reshape(-1), prepend=0), "<i4"
+        ),
         "indices": packed(order, "u1"),
         "weights": packed(65535.0 * np.take_along_axis(weights, order, axis=1) + 0.5, "<u2"),
         "joints": np.round(np.asarray(body.rest_joints), 5).tolist(),

@@ -57,7 +57,8 @@ def scale() -> str:
     return (
         '<div style="margin-top:4px">force on the skin</div>'
         f'<div class="hp-scale" style="background:linear-gradient(90deg, {colors})"></div>'
-        '<div class="hp-ends"><span>1 N</span><span>10</span><span>100</span><span>1 kN</span></div>'
+        '<div class="hp-ends"><span>1 N</span><span>10</span><span>100</span>'
+        "<span>1 kN</span></div>"
     )
 
 

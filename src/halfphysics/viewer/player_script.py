@@ -1,4 +1,4 @@
-"""The script and the style that pages get beside viser's own: the files in `player/`, in one piece."""
+"""The script and the style that pages get beside viser's own: the files in `player/`."""
 
 from __future__ import annotations
 

@@ -11,10 +11,10 @@ Layout, deflated, then base64:
           four bytes: first the lowest of all numbers, column by column, then the second, ...
     ...   arrays
 
-The header has `frames`; `columns`, the number of columns; `numbers`, the messages whose `field` holds
-the numbers of these `columns` in every frame (poses of bones and nodes; equal columns are stored
-once); and `events`, the messages with other values, which change in the frames `at`. A value
-{"start", "bytes", "dtype"} is in the arrays.
+The header has `frames`; `columns`, the number of columns; `numbers`, the messages whose `field`
+holds the numbers of these `columns` in every frame (poses of bones and nodes; equal columns are
+stored once); and `events`, the messages with other values, which change in the frames `at`. A
+value {"start", "bytes", "dtype"} is in the arrays.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """The wire between a server and the script in its page (player/server.js).
 
-viser carries it: text fields that are never shown. One is written by the browser, a command each time;
-one by the server, all that the script has to know, for browsers that come later, too; and one by the
-server, what changes with every frame.
+viser carries it: text fields that are never shown. One is written by the browser, a command each
+time; one by the server, all that the script has to know, for browsers that come later, too; and one
+by the server, what changes with every frame.
 """
 
 from __future__ import annotations

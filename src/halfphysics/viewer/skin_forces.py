@@ -1,9 +1,9 @@
 """Contacts of people in the rest poses of their bodies, for the colours of the skin by force.
 
-A contact is carried from the pose of its frame to the rest pose as if fixed to its part. There, hands
-are away from the trunk and the legs from each other: the distance of a vertex from the contact is
-nearly that along the skin, and a knee's contact does not colour the other knee. The browser computes
-the colours (player/skin.js).
+A contact is carried from the pose of its frame to the rest pose as if fixed to its part. There,
+hands are away from the trunk and the legs from each other: the distance of a vertex from the
+contact is nearly that along the skin, and a knee's contact does not colour the other knee. The
+browser computes the colours (player/skin.js).
 """
 
 from __future__ import annotations
@@ -49,8 +49,9 @@ def skin_document(result: Result, frames: Sequence[int]) -> dict[str, Any]:
         frames: The frames that are shown, in order.
 
     Returns:
-        `first`, rows of the shown frame k are `first[k]` to `first[k + 1]`; `person`; `place`, three
-        millimetres each in the rest pose; `force`, tenths of a newton; `fps` of the shown frames.
+        `first`: rows of the shown frame k are `first[k]` to `first[k + 1]`; `person`; `place`,
+        three millimetres each in the rest pose; `force`, tenths of a newton; `fps` of the shown
+        frames.
     """
     contacts = result.contacts
     force = np.linalg.norm(np.asarray(contacts.impulse), axis=1) * result.fps

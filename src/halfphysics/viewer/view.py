@@ -132,6 +132,11 @@ class Viewer(Served):
         self.server.gui.reset()
         self._set_up(results)
 
+    def compare(self, on: bool) -> None:
+        """Send the poses of the references, which are drawn in one half of a picture, or none."""
+        for references in self.references:
+            references.switch(on)
+
     def stop(self) -> None:
         """Stop serving; browsers lose the connection. Further calls have no effect."""
         super().stop()
@@ -233,7 +238,8 @@ def view(
         The running viewer with `.url` and `.stop()`; a context manager.
 
     Raises:
-        InputError: Neither a result nor a motion, an invalid host or port, or a wrong number of labels.
+        InputError: Neither a result nor a motion, an invalid host or port, or a wrong number of
+            labels.
         FileError: No port is free.
         MissingDependencyError: viser cannot be imported.
         KeyboardInterrupt: Ctrl-C while blocking; the viewer has been stopped.

@@ -23,8 +23,8 @@ GOES = 1.0
 def track(drawings: Sequence[Drawing], offsets: Array, frames: Sequence[int]) -> Array:
     """Boxes around the joints of all people in frames (T, 18) [m], in the world.
 
-    Columns: lowest and highest corner of all joints, mean of the pelvises, unit vector to the left of
-    the first person, lowest and highest corner of the hands in contact (of all hands if none is).
+    Columns: lowest and highest corner of all joints, mean of the pelvises, unit vector to the left
+    of the first person, lowest and highest corner of the hands in contact (of all if none is).
 
     Args:
         drawings: The results.

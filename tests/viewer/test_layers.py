@@ -35,7 +35,7 @@ def test_support_and_glass_start_hidden(stage):
     shown = {name: layer.visible for name, layer in stage.layers.items()}
     assert shown == {
         "body": True, "ghost": True, "objects": True, "scene": True,
-        "contacts": True, "touched": True, SUPPORT: False, "glass": False,
+        "contacts": True, "touched": False, SUPPORT: False, "glass": False,
     }  # fmt: skip
 
 

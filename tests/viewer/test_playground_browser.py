@@ -54,6 +54,9 @@ def page(request, playground, tmp_path_factory):
         one.page.wait_for_timeout(1000)
         if one.page.locator("[role=alert] button").count():
             one.page.locator("[role=alert] button").first.click()
+        if request.param == "phone":  # the panel is a sheet that is folded at first
+            one.page.wait_for_timeout(1000)
+            one.page.click("text='halfphysics play'")
         one.until(lambda: len(ball(scene(one))) > 3)
         yield one
         # The browser's message about a wheel over viser's own dropdowns, not ours.

@@ -125,8 +125,9 @@ def drawn(
     local = _short(local, 2.0 * _PIECE * tangent / height)
     flat = local[..., :2] / local[..., 2:]
     limit = tangent * np.array([_WIDEST, 1.1])
-    outside = (flat > limit).all(axis=1) | (flat < -limit).all(axis=1)
-    flat, local = flat[~outside.any(axis=1)], local[~outside.any(axis=1)]
+    outside = np.logical_or(np.all(flat > limit, axis=1), np.all(flat < -limit, axis=1))
+    seen = ~np.any(outside, axis=1)
+    flat, local = flat[seen], local[seen]
     if not len(local):
         return None
     along = flat[:, 1] - flat[:, 0]

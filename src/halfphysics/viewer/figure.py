@@ -121,6 +121,11 @@ class Figure:
         return self._senders[name][0]
 
     @property
+    def name(self) -> str:
+        """Path of the node."""
+        return self._name
+
+    @property
     def visible(self) -> bool:
         """Whether the figure is drawn. If not, poses are only sent when it is shown again."""
         return self._visible

@@ -12,6 +12,7 @@ import base64
 from collections.abc import Sequence
 from dataclasses import replace
 from io import BytesIO
+from typing import Any
 
 import numpy as np
 
@@ -29,7 +30,7 @@ _SAME = 0.05
 _NARROWEST, _TRIES = 0.3, 24
 
 _STYLE = """
-#first { position: fixed; inset: 0 0 auto 0; height: calc(100% - var(--hp-bar, 42px)); z-index: 4;
+#first { position: fixed; inset: 0 0 auto 0; height: calc(100% - var(--hp-bar, 46px)); z-index: 4;
   overflow: hidden; pointer-events: none; transition: opacity 0.25s; }
 #first img { position: absolute; height: 100%; left: 50%; transform: translateX(-50%); }
 """
@@ -40,7 +41,7 @@ _SCRIPT = """
 (() => {
   const first = document.getElementById("first");
   const known = new URLSearchParams(location.search);
-  const shape = innerWidth / Math.max(innerHeight - %(bar)d, 1);
+  const shape = first.clientWidth / Math.max(first.clientHeight, 1);
   const own = known.has("initialCameraPosition") && !known.has("fitted");
   if (own || shape < %(least)s || shape > %(most)s) return first.remove();
   const look = () => {
@@ -56,8 +57,6 @@ _SCRIPT = """
   look();
 })();
 """
-_BAR = 42
-
 # viser's player: one script, which unpacks itself. It waits until the picture has been painted; in
 # a tab in the background nothing is painted, and it starts after a moment.
 _PLAYER, _WAITING = "<script data-p=", '<script type="text/plain" id="player" data-p='
@@ -104,7 +103,6 @@ def first_picture(drawings: Sequence[Drawing], row: Arrangement) -> str:
     pictures = {theme: _picture(drawings, row, theme) for theme in (LIGHT, DARK)}
     dark = f'<source media="(prefers-color-scheme: dark)" srcset="{pictures[DARK]}">'
     script = _SCRIPT % {
-        "bar": _BAR,
         "least": round(_narrowest(row), 3),
         "most": round(SIZE[0] / SIZE[1], 3),
         "triangles": 1000,
@@ -113,6 +111,16 @@ def first_picture(drawings: Sequence[Drawing], row: Arrangement) -> str:
         f'<style>{_STYLE}</style><div id="first" aria-hidden="true"><picture>{dark}'
         f'<img alt="" src="{pictures[LIGHT]}"></picture></div><script>{script}</script>'
     )
+
+
+def first_camera(row: Arrangement) -> dict[str, Any]:
+    """The first camera for the browser, and the windows (width over height) that have it."""
+    camera = row.first(SIZE, panel=False)
+    return {
+        "position": np.round(camera.position, 4).tolist(),
+        "target": np.round(camera.target, 4).tolist(),
+        "least": round(_narrowest(row), 3),
+    }
 
 
 def _narrowest(row: Arrangement) -> float:

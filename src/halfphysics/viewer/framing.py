@@ -17,8 +17,8 @@ WINDOW = (1280, 720)
 # A window wider than `_WIDE` has the panel, `_PANEL` wide, on its right side [pixels].
 _WIDE, _PANEL = 580, 335
 # In a narrower window, and in one this many times higher than wide (a phone with small pixels),
-# the panel is a sheet below this fraction of the height.
-_TALL, _ABOVE = 1.5, 0.4
+# the panel is a sheet below this fraction of the height, folded at first.
+_TALL, _ABOVE = 1.5, 0.9
 # Least distance of the camera to a point [m], and the filled fraction of the free part.
 _NEAR, _FILLED = 0.5, 0.92
 # The fraction of the window's height that people fill at first, and of the free part at most.

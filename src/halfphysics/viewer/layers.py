@@ -75,7 +75,8 @@ def add_layers(server: Any, stage: Stage) -> None:
     if len(stage.drawing.result.contacts.frame):
         stage.layers["contacts"] = Layer("Contacts", [ContactNodes(server, stage)])
         touched = Touched(server, stage)
-        stage.layers["touched"] = Layer("Touched parts", [touched])
+        stage.layers["touched"] = Layer("Touched parts", [touched], _visible=False)
+        touched.visible = False
         handles += [one.handle for patches in touched.patches for one in patches.values()]
     if not handles:
         return

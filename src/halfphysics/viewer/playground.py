@@ -14,6 +14,7 @@ from halfphysics.viewer.contacts import ContactNodes
 from halfphysics.viewer.dragging import draggable
 from halfphysics.viewer.framing import WINDOW, on_people
 from halfphysics.viewer.live_contacts import LiveContacts
+from halfphysics.viewer.live_wire import LiveWire
 from halfphysics.viewer.pace import Pace
 from halfphysics.viewer.panel.panel import Panel
 from halfphysics.viewer.provisional import provisional
@@ -80,6 +81,7 @@ class Playground(Served):
         with self._starting():
             add_sky(self.server)
             self.panel = Panel(self)
+            self.wire = LiveWire(self)
             self._set_stage()
             self._show()
 
@@ -116,6 +118,7 @@ class Playground(Served):
         self.cameras.watch()
         self._show()
         self.panel.refresh(now=asked)
+        self.wire.refresh()
 
     def _show(self) -> None:
         """Show the frame if it is new and a browser is connected."""
@@ -133,6 +136,7 @@ class Playground(Served):
                 stage.place(name, *frame.objects[name])
             self._contacts.show(0)
             self.lights.follow(self.cameras.subject())
+        self.wire.frame()
         self.cameras.follow()
         self._shown = frame
         self.updates += 1
@@ -181,6 +185,7 @@ class Playground(Served):
             if draggable(session.simulator, name):
                 self._let_drag(name)
         self.panel.show_story()
+        self.wire.new_story()
 
     def _home(self, window: tuple[int, int]) -> Camera:
         return on_people(self.cameras.people(), self._row.direction, window)

@@ -237,6 +237,10 @@ class Stage:
         """viser's handle of a static."""
         return self._statics[name]
 
+    def draws(self, name: str) -> bool:
+        """Whether there is a node for a static."""
+        return name in self._statics
+
     @property
     def visible(self) -> bool:
         """Whether the stage is drawn; it can only be hidden with a prefix."""

@@ -46,8 +46,8 @@ LAYERS = {
     "mujoco": "errors base motion geometry body settings scene simulation _native",
     "scenarios": "errors base motion geometry body scene settings simulation",
     "viewer": (
-        "errors base motion geometry body settings scene results support simulation render "
-        "scenarios"
+        "errors base motion geometry body settings scene results support simulation formats render "
+        "labels scenarios"
     ),
     "sweep": (
         "errors base motion geometry body settings scene results simulation baselines formats "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import contextlib
 import importlib.util
 import io
@@ -20,6 +21,14 @@ _FLAGS = (
     *("--hide-scrollbars", "--use-gl=angle", "--use-angle=swiftshader"),
     "--enable-unsafe-swiftshader",
 )
+_DROP = """([name, data]) => {
+  const bytes = Uint8Array.from(atob(data), (letter) => letter.charCodeAt(0));
+  const dataTransfer = new DataTransfer();
+  dataTransfer.items.add(new File([bytes], name));
+  for (const type of ["dragenter", "dragover", "drop"]) {
+    dispatchEvent(new DragEvent(type, { dataTransfer, bubbles: true, cancelable: true }));
+  }
+}"""
 SIZES = {"desktop": (1280, 800), "phone": (390, 844)}
 
 
@@ -73,6 +82,17 @@ class Tab:
             assert time.monotonic() < end, f"{seconds:g} s and still not: {condition}"
             self.page.wait_for_timeout(150)
         return found
+
+    def drop(self, path: Path):
+        """Drop a file onto the middle of the page, as from a folder."""
+        data = base64.b64encode(path.read_bytes()).decode()
+        self.page.evaluate(_DROP, [path.name, data])
+
+    def quiet(self):
+        """Close viser's message that it draws in software, which only tests see."""
+        notice = self.page.locator("[role=alert] button")
+        if notice.count():
+            notice.first.click()
 
     def box(self, selector):
         """The rectangle of an element: (left, top, right, bottom) in pixels."""

@@ -157,7 +157,7 @@ COVERED_BY = {
     "halfphysics/viewer/figure.py": "viewer/test_stage.py",
     "halfphysics/viewer/knobs.py": "viewer/test_session.py",
     "halfphysics/viewer/numbers.py": "viewer/test_plots.py",
-    "halfphysics/viewer/page_head.py": "viewer/test_page.py",
+    "halfphysics/viewer/page_*.py": "viewer/test_page.py viewer/test_page_browser.py",
     "halfphysics/viewer/panel/*.py": "viewer/test_playground.py viewer/test_playground_browser.py",
     "halfphysics/writers/colors.py": "writers/test_gltf.py",
     "halfphysics/writers/correctives.py": "writers/test_gltf.py",

@@ -4,24 +4,23 @@ from __future__ import annotations
 
 import base64
 import html
-import json
 import re
 import socket
 import subprocess
 import sys
 import threading
+import zlib
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from halfphysics.errors import FileError, InputError
-from halfphysics.render.rasterizer import Camera
-from halfphysics.render.result_meshes import Drawing
-from halfphysics.render.viewpoint import FOV
 from halfphysics.results.held import HeldReport
+from halfphysics.viewer.bones import GRAIN
 from halfphysics.viewer.contacts import ContactFrames
 from halfphysics.viewer.page import save_page
+from support.reels import data_of, poses, unpacked
 from support.results.small_result import FPS, FRAMES, small_result
 
 
@@ -59,38 +58,43 @@ def test_the_page_needs_nothing_from_outside(page):
 
 
 def test_the_page_plays_every_frame_of_body_ghost_and_ball(page):
+    """viser has the first frame, the reel has all: of body, ghost, reference and ball."""
     content = recording(page)
-    assert content["durationSeconds"] == pytest.approx(FRAMES / FPS)
+    assert content["durationSeconds"] == 0.0
     messages = content["messages"]
     added = {m["name"]: m["props"] for _, m in messages if "props" in m and "name" in m}
     for name in ("/static/floor", "/static/wall", "/static/bench", "/object/ball"):
         assert name in added
-    assert added["/person/0"]["opacity"] is None
-    assert 0 < added["/ghost/0"]["opacity"] < 1
-    # The pelvis of both, played back at the last frame, is where the joints are.
+    data = data_of(page)
+    assert data["fps"] == pytest.approx(FPS)
+    places = poses(data["reel"], "SetBonePositionMessage")
     person = small_result().people[0]
-    for kind, motion in (("person", person.motion), ("ghost", person.reference)):
-        pelvis = [
-            (time, m["position"])
-            for time, m in messages
-            if m["type"] == "SetBonePositionMessage"
-            and m["name"] == f"/{kind}/0"
-            and m["bone_index"] == 0
-        ]
-        assert len(pelvis) == FRAMES
-        joints = person.body.joints(motion)[:, 0]
-        np.testing.assert_allclose([p for _, p in pelvis], joints, atol=1e-4)  # the grain
-        np.testing.assert_allclose([t for t, _ in pelvis], np.arange(FRAMES) / FPS, atol=1e-9)
-    ball = [m["position"] for _, m in messages if m["type"] == "SetPositionMessage"
-            and m["name"] == "/object/ball"]  # fmt: skip
-    np.testing.assert_allclose(ball[-1], small_result().objects["ball"].position[-1], atol=1e-4)
+    for kind, motion in (
+        ("person", person.motion),
+        ("ghost", person.reference),
+        ("reference", person.reference),
+    ):
+        # The pelvis is the first bone of whatever the figure is made of.
+        pelvis = person.body.joints(motion)[:, 0]
+        found = [
+            value for (name, _), value in places.items()
+            if name.startswith(f"/{kind}/0") and np.allclose(value[-3:], pelvis[-3:], atol=1e-4)
+        ]  # fmt: skip
+        assert found, kind
+        if kind != "ghost":  # a ghost stands still where it coincides with the body
+            np.testing.assert_allclose(found[0], pelvis, atol=1e-4)  # the grain
+    ball = poses(data["reel"], "SetPositionMessage")["/object/ball", None]
+    np.testing.assert_allclose(ball, small_result().objects["ball"].position, atol=1e-4)
 
 
-def test_fast_results_are_thinned(tmp_path):
+def test_fast_results_are_thinned(tmp_path, page):
     path = save_page(small_result(), tmp_path / "a.html", max_fps=10.0)
-    messages = recording(path)["messages"]
-    times = sorted({t for t, m in messages if m["type"] == "SetBonePositionMessage"})
-    np.testing.assert_allclose(times, np.arange(0, FRAMES, 3) / FPS, atol=1e-9)
+    data, whole = data_of(path), data_of(page)
+    assert data["fps"] == pytest.approx(10.0)
+    few = poses(data["reel"], "SetPositionMessage")["/object/ball", None]
+    every = poses(whole["reel"], "SetPositionMessage")["/object/ball", None]
+    np.testing.assert_array_equal(few, every[::3])
+    assert len(data["track"]) == len(range(0, FRAMES, 3))
 
 
 def test_saving_says_nothing_and_leaves_nothing_running(tmp_path, capfd, monkeypatch):
@@ -136,17 +140,18 @@ def test_a_page_that_cannot_be_written_leaves_nothing(tmp_path, monkeypatch):
 
 def test_the_page_says_what_it_shows_and_nothing_in_a_title_runs(tmp_path):
     title = "</script><img src=x onerror=alert(1)>"
-    text = save_page(small_result(), tmp_path / "a.html", title=title).read_text(encoding="utf-8")
-    key = json.loads(re.search(r"key.innerHTML = (\".*\");", text)[1])
-    assert key.startswith(f"<b>{html.escape(title)}</b>")
-    assert [html.unescape(e) for e in re.findall(r"</i>([^<]*)</span>", key)] == [
-        "asked for",
-        "with a body",
+    path = save_page(small_result(), tmp_path / "a.html", title=title, notes=[title])
+    data, text = data_of(path), path.read_text(encoding="utf-8")
+    assert data["title"] == title  # set as text
+    assert f"<div>{html.escape(title)}</div>" in data["key"]
+    assert [html.unescape(e) for e in re.findall(r"</i>([^<]*)</span>", data["key"])] == [
+        "reference",
+        "simulated",
         "force by the scene",
         "by an object",
         "on an object",
     ]
-    assert "<img" not in text.replace(key, "")
+    assert "<img src=x" not in text
 
 
 def test_the_page_says_what_hands_held(tmp_path):
@@ -158,51 +163,85 @@ def test_the_page_says_what_hands_held(tmp_path):
         turned_deg=5.0, end_away=0.3, lost=None, late=0.0,
     )  # fmt: skip
     result.holds = (held,)
-    text = save_page(result, tmp_path / "a.html").read_text(encoding="utf-8")
-    key = json.loads(re.search(r"key.innerHTML = (\".*\");", text)[1])
+    key = data_of(save_page(result, tmp_path / "a.html"))["key"]
     (line,) = re.findall(r"<div>([^<]*)</div>", key)
     assert html.unescape(line).startswith("holds ball with left hand, 0.1 to 0.5 s: 40 N asked")
     assert "not lifted: 0.10 of 0.40 m" in line
 
 
-def test_the_page_has_a_camera_for_every_shape_of_window(page):
-    drawing = Drawing(small_result())
-    text = page.read_text(encoding="utf-8")
-    cameras = json.loads(re.search(r"const fitting = (\[.*\])\.filter", text)[1])
-    shapes = [shape for shape, _, _ in cameras]
-    assert shapes == sorted(shapes)
-    assert shapes[0] <= 390 / 844 < 2.0 < shapes[-1]
-    for shape, position, target in cameras:
-        camera = Camera(
-            position=np.array(position.split(","), float),
-            target=np.array(target.split(","), float),
-            fov=FOV,
-        )
-        right, down, forward = camera.axes()
-        for frame in (0, FRAMES // 2, FRAMES - 1):
-            for name in ("person/0", "ghost/0"):
-                points = drawing.surfaces(frame)[name].vertices - camera.position
-                reach = np.tan(np.radians(FOV) / 2) * (points @ forward)
-                assert (np.abs(points @ right) < shape * reach).all()
-                assert (np.abs(points @ down) < reach).all()
-
-
 def test_contacts_are_on_the_page(page):
-    messages = recording(page)["messages"]
-    added = {m["name"]: t for t, m in messages if "props" in m and "name" in m}
-    assert {n for n in added if n.startswith("/contact/")} == {
-        f"/contact/{what}-{kind}" for what in ("points", "arrows") for kind in (0, 1, 3)
-    }
-    # Each kind shows from the frame of its first contact on.
-    shown = {
-        (m["name"], round(t * FPS)) for t, m in messages
-        if m["type"] == "SetSceneNodeVisibilityMessage" and m["visible"]
-    }  # fmt: skip
+    """Each kind shows from the frame of its first contact on."""
+    header, _, arrays = unpacked(data_of(page)["reel"])
     contacts = ContactFrames(small_result())
-    for number in (0, 1, 3):
-        first = next(k for k in range(FRAMES) if number in contacts.at(k).kind)
-        assert (f"/contact/points-{number}", first) in shown
-        assert not [t for name, t in shown if name.endswith(f"points-{number}") and t < first]
+    shown = {
+        e["message"]["name"]: dict(zip(e["at"], e["values"], strict=True))
+        for e in header["events"] if e["field"] == "visible"
+    }  # fmt: skip
+    points = {
+        e["message"]["name"]: dict(zip(e["at"], e["values"], strict=True))
+        for e in header["events"] if e["field"] == "updates.batched_positions"
+    }  # fmt: skip
+    for kind in (1, 3):
+        first = next(k for k in range(FRAMES) if kind in contacts.at(k).kind)
+        visible = shown[f"/contact/point/{kind}"]
+        assert (visible[0], min(at for at, on in visible.items() if on)) == (False, first)
+    # In frame 6 the shoulder is in contact beside the foot: two points of the scene's kind.
+    value = points["/contact/point/0"][6]
+    data = arrays[value["start"] : value["start"] + value["bytes"]]
+    found = np.frombuffer(data, dtype=value["dtype"]).reshape(-1, 3)
+    np.testing.assert_allclose(found, contacts.at(6).of(0).position, atol=1e-6)
+
+
+def test_the_page_has_marks_layers_and_a_comparison(page):
+    data = data_of(page)
+    assert [row["label"] for row in data["marks"]] == [
+        "contact with the scene", "contact with an object", "contact of objects",
+    ]  # fmt: skip
+    nodes = {layer["id"]: layer["nodes"] for layer in data["layers"]}
+    assert nodes == {
+        "body": ["/person"], "ghost": ["/ghost"], "objects": ["/object"],
+        "scene": nodes["scene"], "skin": [], "arrows": ["/contact/arrow"],
+        "points": ["/contact/point"],
+    }  # fmt: skip
+    assert "/static" in nodes["scene"]
+    (comparison,) = data["compare"]
+    assert (comparison["a"]["label"], comparison["b"]["label"]) == ("reference", "simulated")
+    names = {m["name"] for _, m in recording(page)["messages"] if "name" in m}
+    for side in comparison.values():
+        assert set(side.get("show", [])) <= names
+
+
+def test_a_motion_alone_has_a_page_without_a_reference(tmp_path):
+    path = save_page(small_result().motion, tmp_path / "walk.html", title="walk")
+    data = data_of(path)
+    assert (data["compare"], data["marks"]) == ([], [])
+    assert "reference" not in data["key"]
+    names = {m["name"] for _, m in recording(path)["messages"] if "name" in m}
+    assert "/static/ground" in names
+    assert not any(name.startswith("/reference") for name in names)
+
+
+def test_the_skin_for_dropped_people_is_the_bodys(page):
+    """Vertices to the grain, faces exactly, weights of the four strongest joints."""
+    packed, body = data_of(page)["body"], small_result().people[0].body
+
+    def whole(name, kind):
+        data = np.frombuffer(zlib.decompress(base64.b64decode(packed[name])), dtype="u1")
+        size = np.dtype(kind).itemsize
+        return np.ascontiguousarray(data.reshape(size, -1).T).view(kind).reshape(-1)
+
+    vertices = whole("vertices", "<i2").reshape(-1, 3) * GRAIN
+    np.testing.assert_allclose(vertices, body.rest_vertices, atol=0.5 * GRAIN)
+    faces = np.cumsum(whole("faces", "<i4")).reshape(-1, 3)
+    np.testing.assert_array_equal(faces, body.faces)
+    indices = whole("indices", "u1").reshape(-1, 4)
+    weights = whole("weights", "<u2").reshape(-1, 4) / 65535
+    np.testing.assert_allclose(weights.sum(axis=1), 1.0, atol=1e-4)
+    strongest = np.argmax(body.weights, axis=1)
+    np.testing.assert_array_equal(
+        np.asarray(body.weights)[np.arange(len(indices)), indices[:, 0]],
+        np.asarray(body.weights)[np.arange(len(indices)), strongest],
+    )
 
 
 def test_importing_the_page_does_not_import_viser():
@@ -217,17 +256,25 @@ def test_importing_the_page_does_not_import_viser():
 def test_several_results_play_side_by_side(tmp_path):
     """Each has its nodes, moved apart; the page is as long as the longest."""
     story = small_result()
-    path = save_page([story, story], tmp_path / "two.html", notes=["a <note>"])
-    text = path.read_text(encoding="utf-8")
-    assert "a &lt;note&gt;" in text.replace("\\u003c", "<").replace("\\u0026", "&")
+    labels = ["soft", "a <stiff>"]
+    path = save_page([story, story], tmp_path / "two.html", notes=["a <note>"], labels=labels)
+    data = data_of(path)
+    assert "a &lt;note&gt;" in data["key"]
+    assert data["people"] == ["/person/0", "/1/person/0"]
     names = {m["name"] for _, m in recording(path)["messages"] if "name" in m}
-    people = {name for name in names if name.endswith("person/0")}
-    assert people == {"/person/0", "/1/person/0"}
-    assert recording(path)["durationSeconds"] == pytest.approx(FRAMES / FPS, abs=1.0 / FPS)
+    assert set(data["people"]) <= names
+    assert len(data["track"]) == FRAMES
+    (comparison,) = data["compare"]
+    assert [comparison[side]["label"] for side in "ab"] == labels
+    assert comparison["b"]["move"] == {"/1": [0.0, 0.0, 0.0]}
+    assert "/person" in comparison["b"]["hide"]
+    assert "/1/person" in comparison["a"]["hide"]
+    with pytest.raises(InputError, match="labels: found 1, expected 2"):
+        save_page([story, story], tmp_path / "three.html", labels=["one"])
 
 
 def test_results_of_different_rates_are_not_played_together(tmp_path):
-    slow = SimpleNamespace(fps=15.0)
+    slow = SimpleNamespace(**vars(small_result()) | {"fps": 15.0})
     with pytest.raises(InputError, match="found 30, 15 fps"):
-        save_page([SimpleNamespace(fps=30.0), slow], tmp_path / "two.html")
+        save_page([small_result(), slow], tmp_path / "two.html")
     assert list(tmp_path.iterdir()) == []

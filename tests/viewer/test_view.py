@@ -93,7 +93,7 @@ def test_it_serves_says_where_and_ends_with_ctrl_c(files):
     ("arguments", "said"),
     [
         (["nothing.npz"], "nothing.npz: no such file"),
-        ([], "found no result, expected at least one file"),
+        ([], "found no file, expected at least one result or motion"),
         ([__file__], "test_view.py"),
         (["FILE", "--port", "99999"], "port: found 99999, expected a whole number from 0 to 65535"),
         (["FILE", "--host", "no.such.host.invalid"], "no address"),

@@ -41,16 +41,30 @@ def page(request, viewer, tmp_path_factory):
         if notice.count():
             notice.first.click()
         one.name, one.kept = request.param, artefacts(folder)
+        unfolded(one)
         one.until(lambda: ghost(scene(one)) > 200)
         yield one
         # In all of this the console had no error.
         assert one.errors == []
 
 
+def unfolded(page):
+    """On a phone the panel is a sheet that is folded at first: unfold it."""
+    if page.name != "phone":
+        return
+    button = page.page.locator(BUTTON).first
+    page.until(
+        lambda: not button.is_visible() or page.box(BUTTON)[1] > page.page.viewport_size["height"]
+    )
+    page.page.click("text='halfphysics'")
+    page.until(lambda: button.is_visible() and page.box(BUTTON)[3] < 844)
+
+
 def ghost(picture):
     """The number of pixels in a ghost's blue."""
     red, green, blue = np.moveaxis(picture, -1, 0)
-    return ((blue - red > 30) & (green > red) & (blue < 250) & (blue - red < 140)).sum()
+    # Neither the sky's nor a shirt's.
+    return ((blue - red > 30) & (blue - green > 18) & (blue < 250) & (blue - red < 140)).sum()
 
 
 def scene(page):
@@ -108,7 +122,7 @@ def test_nothing_overlaps_and_everything_is_inside(page):
     assert len({round(top) for _, top, _, _ in steps}) == 1, "the step buttons wrap"
     left, top, _, _ = panel(page)
     free = left / width if page.name == "desktop" else top / height
-    assert free > (0.7 if page.name == "desktop" else 0.38), "the panel hides the scene"
+    assert free > (0.7 if page.name == "desktop" else 0.3), "the panel hides the scene"
 
 
 def test_play_moves_the_body_and_pause_stops_it(page, viewer):

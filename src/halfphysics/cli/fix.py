@@ -153,4 +153,12 @@ class Command:
             if m.name in _ON_PAGE
         )
         notes = [f"before (left) and after (right): {numbers}", "; ".join(repair.lines)]
-        save_page([before, after], page, title=self.motion.name, notes=notes, progress=progress())
+        labels = ("before", "fixed")
+        save_page(
+            [before, after],
+            page,
+            title=self.motion.name,
+            notes=notes,
+            labels=labels,
+            progress=progress(),
+        )

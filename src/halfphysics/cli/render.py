@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
-from halfphysics.cli.options import check_output, progress
+from halfphysics.cli.options import BodyOptions, MotionOptions, check_output, progress
 from halfphysics.errors import InputError
 from halfphysics.render.film.options import FilmOptions
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 EXAMPLES = """\
 halfphysics render result.npz film.mp4
 halfphysics render result.npz page.html
+halfphysics render walk.npz walk.mp4
 halfphysics render result.npz standing.html --support
 halfphysics render result.npz slow.mp4 --camera follow --camera top --speed 0.25 --start 2 --end 3
 halfphysics render limp.npz firm.npz film.mp4 --label limp --label firm --camera orbit
@@ -27,16 +28,17 @@ halfphysics render result.npz still.png --frame 120 --size 1280x720"""
 
 @dataclass(frozen=True, kw_only=True)
 class Command:
-    """Show results: a page to send (.html), a film (.mp4, .webm, .gif) or a picture (.png).
+    """Show results or motions: a page to send (.html), a film (.mp4, .webm, .gif) or a picture
+    (.png).
 
     The suffix of OUT says which. Body and ghost (the motion as recorded) are drawn by the package
     itself: no GPU and no display are needed. Several results are shown together.
     """
 
     files: Annotated[
-        tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="RESULT [RESULT...] OUT")
+        tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="RESULT|MOTION... OUT")
     ]
-    """Result files, and the file to write."""
+    """Results of `simulate` or motion files, and the file to write."""
     frame: int | None = None
     """Of a picture: the frame to show, negative ones from the end; without it key frames."""
     support: bool = False
@@ -47,10 +49,12 @@ class Command:
     film: tyro.conf.OmitArgPrefixes[tyro.conf.UseAppendAction[FilmOptions]] = field(
         default_factory=FilmOptions
     )
+    person: tyro.conf.OmitArgPrefixes[BodyOptions] = field(default_factory=BodyOptions)
+    motion: MotionOptions = field(default_factory=MotionOptions)
 
     def run(self) -> None:
         """Write the page, film or picture."""
-        from halfphysics.results.result import Result
+        from halfphysics.cli.shown import opened
 
         if len(self.files) < 2:
             raise InputError(
@@ -64,9 +68,9 @@ class Command:
         if self.support and kind != "page":
             raise InputError(f"--support: {out} is a {kind}; support is shown on a page (.html)")
         check_output(out, *sources)
-        results = [Result.load(source) for source in sources]
+        results = opened(sources, self.motion, self.person)
         if kind == "page":
-            self._page(results, out)
+            self._page(results, sources, out)
         else:
             self._pictures(results, sources, out, kind)
         print(f"{kind}: {out}")
@@ -83,7 +87,7 @@ class Command:
             )
         return kinds[suffix]
 
-    def _page(self, results: list[Result], out: Path) -> None:
+    def _page(self, results: list[Result], sources: list[Path], out: Path) -> None:
         from dataclasses import replace
 
         from halfphysics.viewer.page import MAX_FPS, save_page
@@ -93,10 +97,12 @@ class Command:
                 f"{out}: of the options only --fps, --support and one --label (its title) are for "
                 "a page, in which the viewer moves the camera and the time"
             )
+        names = [source.stem for source in sources]
         save_page(
             results,
             out,
-            title=self.film.label[0] if self.film.label else "halfphysics",
+            title=self.film.label[0] if self.film.label else " | ".join(names),
+            labels=names,
             max_fps=MAX_FPS if self.film.fps is None else self.film.fps,
             support=self.support,
             progress=progress(),

@@ -2,41 +2,47 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
 import tyro
 
+from halfphysics.cli.options import BodyOptions, MotionOptions
+
 EXAMPLES = """\
 halfphysics view result.npz
-halfphysics view soft.npz stiff.npz --port 9000"""
+halfphysics view soft.npz stiff.npz --port 9000
+halfphysics view walk.npz"""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Command:
-    """Show results in a browser, several side by side; Ctrl-C ends it.
+    """Show results and motions in a browser, several side by side; Ctrl-C ends it.
 
-    Prints the address to open. On a machine without a display, reach it through an SSH tunnel;
-    the command to do so is printed too.
+    Files that are dropped onto the page are shown, too. Prints the address to open. On a machine
+    without a display, reach it through an SSH tunnel; the command to do so is printed too.
     """
 
-    files: Annotated[tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="RESULT")]
-    """Results of `simulate`; the first decides where to look from."""
+    files: Annotated[tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="RESULT|MOTION")]
+    """Results of `simulate`, or motion files; the first decides where to look from."""
     port: int = 8080
     """Port to listen on; where it is in use, the next one that is free."""
     host: str = "127.0.0.1"
     """Address to listen on; 0.0.0.0: any machine that reaches this one can look."""
 
+    person: tyro.conf.OmitArgPrefixes[BodyOptions] = field(default_factory=BodyOptions)
+    motion_file: tyro.conf.OmitArgPrefixes[MotionOptions] = field(default_factory=MotionOptions)
+
     def run(self) -> None:
         """Serve until Ctrl-C."""
+        from halfphysics.cli.shown import opened
         from halfphysics.errors import InputError
-        from halfphysics.results.result import Result
         from halfphysics.viewer.view import differences, view
 
         if not self.files:
-            raise InputError("view: found no result, expected at least one file of `simulate`")
-        results = [Result.load(path) for path in self.files]
+            raise InputError("view: found no file, expected at least one result or motion")
+        results = opened(self.files, self.motion_file, self.person)
         notes = differences(results) if len(results) > 1 else [""]
         labels = [name + note for name, note in zip(_names(self.files), notes, strict=True)]
         view(*results, labels=labels, host=self.host, port=self.port)

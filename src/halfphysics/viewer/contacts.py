@@ -156,9 +156,9 @@ class ContactNodes:
         for kind in np.unique(self.frames.kind).tolist():
             color = KINDS[kind].color
             self.points[kind] = Copies(
-                server, stage.path(f"contact/points-{kind}"), ball(_POINT), color
+                server, stage.path(f"contact/point/{kind}"), ball(_POINT), color
             )
-            self.arrows[kind] = Arrows(server, stage.path(f"contact/arrows-{kind}"), color)
+            self.arrows[kind] = Arrows(server, stage.path(f"contact/arrow/{kind}"), color)
         stage.followers.append(self.show)
 
     @property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import time
 from typing import TYPE_CHECKING, Any
@@ -10,15 +11,21 @@ from halfphysics.errors import HalfPhysicsError
 from halfphysics.viewer.camera import PRESETS
 from halfphysics.viewer.layers import SUPPORT, hint, legend, support_legend
 from halfphysics.viewer.numbers import NumbersPanel
+from halfphysics.viewer.page_data import common_data
 from halfphysics.viewer.plots import Plots
+from halfphysics.viewer.remote import Remote
 from halfphysics.viewer.server import icon
+from halfphysics.viewer.stage import Layer
 from halfphysics.viewer.timeline import SPEEDS
 
 if TYPE_CHECKING:
+    from halfphysics.viewer.site_root import SiteRoot
     from halfphysics.viewer.view import Viewer
 
 # Update interval of the slider, and its pause after the user moved it [s].
 _FOLLOW, _HANDS_OFF = 0.1, 0.6
+# Interval between messages about the time to scripts, which go on by their own clocks [s].
+_TELL = 0.5
 # Step of the slider [s].
 _GRAIN = 0.01
 _PLAY, _PAUSE = "Play", "Pause"
@@ -30,6 +37,8 @@ class Controls:
 
     def __init__(self, viewer: Viewer) -> None:
         self._viewer = viewer
+        #: Whether browsers colour the skin by force.
+        self.paint = Layer("Skin by force")
         self._timeline = timeline = viewer.timeline
         self._followed = self._touched = 0.0
         gui = self._gui = viewer.server.gui
@@ -61,7 +70,10 @@ class Controls:
             self.numbers = NumbersPanel(gui, results, viewer.labels)
         with gui.add_folder("Camera", expand_by_default=False):
             self._add_camera()
+        self._add_upload()
         self._add_keys()
+        self._told = -math.inf
+        self.remote = Remote(gui, self._obey)
 
     def _add_layers(self) -> list[Any]:
         viewer, gui = self._viewer, self._gui
@@ -72,6 +84,10 @@ class Controls:
                 box.on_update(self._shows([stage]))
                 boxes.append(box)
             gui.add_divider()
+        if any(len(stage.drawing.result.contacts.frame) for stage in viewer.stages):
+            box = gui.add_checkbox("Skin by force", True, hint="From 1 N to 1 kN, logarithmic")
+            box.on_update(self._shows([self.paint]))
+            boxes.append(box)
         for name in dict.fromkeys(n for stage in viewer.stages for n in stage.layers):
             layers = [stage.layers[name] for stage in viewer.stages if name in stage.layers]
             box = gui.add_checkbox(layers[0].label, layers[0].visible)
@@ -126,12 +142,12 @@ class Controls:
             client, name = event.client, views.value
             viewer.do(lambda: viewer.cameras.preset(client, name))
 
-        def home(event: Any) -> None:
-            viewer.do(lambda: viewer.cameras.home(event.client))
+        def everything(event: Any) -> None:
+            viewer.do(lambda: viewer.cameras.everything(event.client))
 
         views.on_click(look)
-        reset = gui.add_button("See everything", icon=icon("HOME"), hint="As at the start")
-        reset.on_click(home)
+        reset = gui.add_button("See everything", icon=icon("HOME"), hint="The whole motion")
+        reset.on_click(everything)
         follow = gui.add_checkbox(
             "Follow", viewer.cameras.following, hint="Go along; turn and zoom as you like"
         )
@@ -140,6 +156,73 @@ class Controls:
             viewer.cameras.following = follow.value
 
         follow.on_update(follows)
+        self._follow = follow
+
+    def _add_upload(self) -> None:
+        """A button to open a file, the same as dropping it onto the page."""
+        viewer = self._viewer
+        button = self._gui.add_upload_button(
+            "Open a file", icon=icon("FOLDER_OPEN"), hint="Or drop it onto the picture"
+        )
+
+        def uploaded(event: Any) -> None:
+            file = event.target.value
+            viewer.do(lambda: viewer.take(file.name, file.content))
+
+        button.on_upload(uploaded)
+
+    def publish(self, root: SiteRoot | None, loads: int) -> None:
+        """Tell browsers what they need beside the scene: marks, contacts, comparisons.
+
+        Args:
+            root: The folder that the server serves; None: browsers have no script of ours.
+            loads: How often the scene was built anew; browsers load the page again with it.
+        """
+        if root is None:
+            return
+        viewer = self._viewer
+        frames = [range(len(stage.drawing)) for stage in viewer.stages]
+        title = " | ".join(viewer.labels)
+        data = common_data(viewer.stages, viewer.labels, title, frames)
+        name = root.publish(json.dumps(data, separators=(",", ":")))
+        self.remote.tell(data=name, loads=loads, paint=self.paint.visible, clock=self._clock())
+
+    def _clock(self) -> dict[str, Any]:
+        timeline = self._timeline
+        return {
+            "time": round(timeline.time, 4),
+            "playing": timeline.playing,
+            "speed": timeline.speed,
+            "duration": round(timeline.duration, 6),
+            "fps": timeline.fps,
+        }
+
+    def _obey(self, name: str, value: Any, client: Any) -> None:
+        """Execute a command of a browser's script; a value that does not fit is ignored."""
+        viewer = self._viewer
+        number = value if isinstance(value, int | float) and math.isfinite(value) else 0.0
+        if name == "toggle":
+            self._toggle()
+        elif name == "seek":
+            self._seek(number)
+        elif name == "step":
+            self._step(int(number))
+        elif name == "speed":
+            self._set(speed=min(max(number, SPEEDS[0]), SPEEDS[1]))
+            self._speed.value = self._timeline.speed
+        elif name == "preset" and value in PRESETS:
+            viewer.do(lambda: viewer.cameras.preset(client, value))
+        elif name == "home":
+            viewer.do(lambda: viewer.cameras.home(client))
+        elif name == "follow":
+            self._switch_follow()
+        elif name == "compare":
+            viewer.do(lambda: viewer.compare(bool(value)))
+
+    def _switch_follow(self) -> None:
+        cameras = self._viewer.cameras
+        cameras.following = self._follow.value = not cameras.following
+        self.remote.say("The camera follows." if cameras.following else "The camera stays.")
 
     def _add_keys(self) -> None:
         keys = (
@@ -147,10 +230,15 @@ class Controls:
             ("One frame back", "arrowleft", lambda: self._step(-1)),
             ("One frame on", "arrowright", lambda: self._step(1)),
             ("To the start", "home", lambda: self._seek(0.0)),
+            ("To the end", "end", lambda: self._seek(self._timeline.duration)),
+            ("Follow", "F", self._switch_follow),
         )
         for label, key, action in keys:
             command = self._gui.add_command(label, hotkey=key)
             command.on_trigger(lambda _event, action=action: action())
+        for k, name in enumerate(PRESETS):
+            command = self._gui.add_command(f"Look from: {name}", hotkey=str(k + 1))
+            command.on_trigger(lambda event, name=name: self._obey("preset", name, event.client))
 
     def _toggle(self) -> None:
         self._timeline.toggle()
@@ -180,10 +268,12 @@ class Controls:
             return
         self._touched = time.monotonic()
         self._timeline.seek(self._slider.value)
+        self._told = -math.inf
         self._viewer.changed()
 
     def _now(self) -> None:
         self._followed = 0.0
+        self._told = -math.inf
         self._viewer.changed()
 
     def refresh(self) -> None:
@@ -201,6 +291,10 @@ class Controls:
         self._time.content = f"**{at:.2f} s** of {timeline.duration:.2f} s, frame {frame} of {last}"
         if now - self._touched > _HANDS_OFF:
             self._slider.value = min(round(at, 2), self._slider.max)
+        if not playing or now - self._told > _TELL:
+            self._told = now
+            self.remote.tell(clock=self._clock())
+        self.remote.tell(paint=self.paint.visible)
         label = _PAUSE if playing else _PLAY
         if self._play.label != label:
             self._play.label = label

@@ -13,11 +13,20 @@ from typing import Any, Self
 
 from halfphysics.viewer.address import announcement, url
 from halfphysics.viewer.server import close_server, open_server
+from halfphysics.viewer.site_root import SiteRoot
 
 # Interval between checks for the end of waiting [s].
 _LOOK = 0.1
 # Longest wait for the thread to end [s].
 _PATIENCE = 10.0
+
+
+def _root() -> SiteRoot | None:
+    """The folder to serve; None: viser is missing, which `open_server` reports."""
+    try:
+        return SiteRoot()
+    except ImportError:
+        return None
 
 
 class Served(ABC):
@@ -45,7 +54,12 @@ class Served(ABC):
 
     def __init__(self, label: str, host: str, port: int) -> None:
         self._host, self._asked_port = host, port
-        self.server: Any = open_server(host, port, label=label)
+        self._root = _root()
+        try:
+            self.server: Any = open_server(host, port, label=label, root=self._root)
+        except BaseException:
+            self._close_root()
+            raise
         self.port: int = self.server.get_port()
         self._stopping = threading.Event()
         self._wake = threading.Event()
@@ -95,6 +109,7 @@ class Served(ABC):
         if self._thread is not threading.current_thread():
             self._thread.join(timeout=_PATIENCE)
         close_server(self.server)
+        self._close_root()
 
     def wait(self) -> None:
         """Wait until another thread calls `stop`, or Ctrl-C.
@@ -126,6 +141,10 @@ class Served(ABC):
             print("", file=sys.stderr)
             raise
 
+    def _close_root(self) -> None:
+        if self._root is not None:
+            self._root.close()
+
     # -- by subclasses -------------------------------------------------------------------------
 
     @contextlib.contextmanager
@@ -135,6 +154,7 @@ class Served(ABC):
             yield
         except BaseException:
             close_server(self.server)
+            self._close_root()
             raise
         # Wake the thread for a new browser.
         self.server.on_client_connect(lambda _: self._wake.set())

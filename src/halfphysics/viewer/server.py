@@ -7,10 +7,13 @@ import errno
 import logging
 import socket
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from halfphysics.base.validation import is_whole
 from halfphysics.errors import FileError, InputError, MissingDependencyError
+
+if TYPE_CHECKING:
+    from halfphysics.viewer.site_root import SiteRoot
 
 #: Number of ports tried, from the requested one.
 TRIES = 50
@@ -18,13 +21,16 @@ TRIES = 50
 _ENDS = 10.0
 
 
-def open_server(host: str, port: int, *, label: str | None = None) -> Any:
+def open_server(
+    host: str, port: int, *, label: str | None = None, root: SiteRoot | None = None
+) -> Any:
     """Open a viser server on `port`, or on the next free one; 0: any.
 
     Args:
         host: Address to listen on; 0.0.0.0: all addresses of this machine.
         port: 0 to 65535.
         label: Title of the panel.
+        root: The folder that it serves; None: viser's own.
 
     Raises:
         InputError: An invalid host or port.
@@ -41,7 +47,7 @@ def open_server(host: str, port: int, *, label: str | None = None) -> Any:
     port = free_port(host, port)
     # Browsers open connections that they do not use: no traceback for these.
     logging.getLogger("websockets.server").addFilter(_worth_telling)
-    with quiet():
+    with quiet(), contextlib.nullcontext() if root is None else root.serving():
         return viser.ViserServer(host=host, port=port, label=label, verbose=False)
 
 

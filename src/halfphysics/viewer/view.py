@@ -6,26 +6,38 @@ import contextlib
 import math
 import time
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from halfphysics.base.validation import shown
-from halfphysics.errors import InputError
+from halfphysics.errors import HalfPhysicsError, InputError
 from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.render.rasterizer import Camera
 from halfphysics.render.result_meshes import Drawing
 from halfphysics.viewer.arrange import arrange, floor_height
 from halfphysics.viewer.camera import Cameras
+from halfphysics.viewer.comparison import References, has_reference
 from halfphysics.viewer.controls import Controls
-from halfphysics.viewer.framing import WINDOW
+from halfphysics.viewer.dropped import Dropped
+from halfphysics.viewer.framing import WINDOW, on_people
 from halfphysics.viewer.layers import add_layers
+from halfphysics.viewer.motions import as_result
 from halfphysics.viewer.served import Served
 from halfphysics.viewer.stage import Layer, Stage, aim, light
+from halfphysics.viewer.theme import add_sky
 from halfphysics.viewer.timeline import Timeline
 
 if TYPE_CHECKING:
+    from halfphysics.motion.motion import Motion
     from halfphysics.results.result import Result
 
+#: Most results that are shown at once.
+MOST = 6
+# Name of the only result once another one is beside it.
+_FIRST = "first"
+# Browsers have this time to leave before the scene is taken apart [s].
+_LEAVE = 3.0
 # Least time between updates [s]: allows 30 per second with some jitter.
 _SPACING = 1.0 / 40.0
 # Interval between checks for browsers and for `stop` [s].
@@ -38,7 +50,7 @@ class Viewer(Served):
     """A running viewer, stopped by `stop` or at the end of a `with` block.
 
     Args:
-        results: The results to show side by side.
+        results: The results or motions to show side by side.
         labels: Names of the results; None: their numbers, with the stiffness if it differs.
         host: Address to listen on.
         port: Port to listen on; the next free one if it is in use.
@@ -56,32 +68,88 @@ class Viewer(Served):
 
     def __init__(
         self,
-        results: Sequence[Result],
+        results: Sequence[Result | Motion],
         *,
         labels: Sequence[str] | None = None,
         host: str = "127.0.0.1",
         port: int = 8080,
         title: str = "halfphysics",
     ) -> None:
-        for index, result in enumerate(results):
-            _check(index, result)
-        self.labels = _labels(results, labels)
+        shown = [as_result(result, f"result {k + 1}") for k, result in enumerate(results)]
+        self.labels = _labels(shown, labels)
+        self._named = labels is not None
         self._what = f"showing {_and(self.labels)}"
+        self._last = -math.inf  # time of the last update
+        self._loads = 0  # how often the scene was built anew
+        self._dropped = Dropped()
+        super().__init__(title, host, port)
+        with self._starting():
+            self._set_up(shown)
+
+    def _set_up(self, results: Sequence[Result]) -> None:
+        """Build scene and panel of these results, with the present labels."""
         drawings = [Drawing(result) for result in results]
         self.timeline = Timeline(*((len(d), d.result.fps) for d in drawings))
         room = _OVER if len(drawings) > 1 else 0.0
         row = arrange(drawings, WINDOW, headroom=room)
-        self._last = -math.inf  # time of the last update
-        super().__init__(title, host, port)
-        with self._starting():
-            light(self.server)
-            aim(self.server, row.camera(WINDOW))
-            self.stages = self._build(drawings, row)
-            self.cameras = Cameras(self.server, self.stages, row.camera)
-            self.controls = Controls(self)
-            self.timeline.play()
-            for stage in self.stages:
-                stage.show(0)
+        self.stages = self._build(drawings, row)
+
+        def home(window: tuple[int, int]) -> Camera:
+            return on_people(self.cameras.people(), row.direction, window)
+
+        self.references = [
+            References(self.server, stage)
+            for stage in self.stages
+            if len(self.stages) == 1 and has_reference(stage.drawing)
+        ]
+        self.cameras = Cameras(self.server, self.stages, home, row.camera)
+        self.cameras.following = True
+        self.lights = light(self.server, row.direction.tolist(), row.reach)
+        add_sky(self.server)
+        aim(self.server, home(WINDOW))
+        self.controls = Controls(self)
+        self.controls.publish(self._root, self._loads)
+        self.timeline.play()
+        for stage in self.stages:
+            stage.show(0)
+        self.lights.follow(self.cameras.subject())
+
+    def take(self, name: str, content: bytes) -> None:
+        """Show a dropped file beside what is shown; what is wrong with it is said in the page.
+
+        By the viewer's own thread. Browsers load the page anew: viser's cannot follow when a scene
+        is taken apart.
+        """
+        remote = self.controls.remote
+        try:
+            if len(self.stages) >= MOST:
+                raise InputError(f"{name}: {MOST} results are shown already, no more fit")
+            remote.say(f"Reading {name} ...")
+            result = self._dropped.read(name, content)
+        except HalfPhysicsError as error:
+            remote.say(str(error))
+            return
+        results = [*(stage.drawing.result for stage in self.stages), result]
+        first = self.labels if len(self.labels) > 1 or self._named else (_FIRST,)
+        self.labels = (*first, Path(name).stem)
+        self._loads += 1
+        remote.tell(loads=self._loads)
+        end = time.monotonic() + _LEAVE
+        while self.server.get_clients() and time.monotonic() < end:
+            time.sleep(0.01)
+        self.server.scene.reset()
+        self.server.gui.reset()
+        self._set_up(results)
+
+    def compare(self, on: bool) -> None:
+        """Send the poses of the references, which are drawn in one half of a picture, or none."""
+        for references in self.references:
+            references.switch(on)
+
+    def stop(self) -> None:
+        """Stop serving; browsers lose the connection. Further calls have no effect."""
+        super().stop()
+        self._dropped.close()
 
     def _build(self, drawings: Sequence[Drawing], row: Any) -> list[Stage]:
         stages: list[Stage] = []
@@ -149,6 +217,8 @@ class Viewer(Served):
         with self.server.atomic() if late else contextlib.nullcontext():
             for k in late:
                 self.stages[k].show(frames[k])
+            if late:
+                self.lights.follow(self.cameras.subject())
         self.cameras.watch()
         self.cameras.follow()
         self.controls.refresh()
@@ -156,8 +226,8 @@ class Viewer(Served):
 
 
 def view(
-    result: Result,
-    *more: Result,
+    result: Result | Motion,
+    *more: Result | Motion,
     labels: Sequence[str] | None = None,
     host: str = "127.0.0.1",
     port: int = 8080,
@@ -168,8 +238,8 @@ def view(
     Prints the address. Needs no display: an SSH tunnel opens the address on another machine.
 
     Args:
-        result: The result to show.
-        more: Further results, shown beside the first and synchronously.
+        result: The result to show, or a `Motion`: on the default body, with a floor at z = 0.
+        more: Further results or motions, shown beside the first and synchronously.
         labels: Names of the results.
         host: Address to listen on; "0.0.0.0": any machine that can reach this one can view.
         port: Port to listen on; the next free one if it is in use, with a message.
@@ -179,7 +249,8 @@ def view(
         The running viewer with `.url` and `.stop()`; a context manager.
 
     Raises:
-        InputError: Not a result, an invalid host or port, or a wrong number of labels.
+        InputError: Neither a result nor a motion, an invalid host or port, or a wrong number of
+            labels.
         FileError: No port is free.
         MissingDependencyError: viser cannot be imported.
         KeyboardInterrupt: Ctrl-C while blocking; the viewer has been stopped.
@@ -187,15 +258,6 @@ def view(
     viewer = Viewer((result, *more), labels=labels, host=host, port=port)
     viewer.say(block)
     return viewer
-
-
-def _check(index: int, result: object) -> None:
-    missing = [n for n in ("people", "objects", "scene", "fps") if not hasattr(result, n)]
-    if missing:
-        raise InputError(
-            f"result {index + 1}: found {shown(result)}, expected a Result, such as "
-            "hp.Result.load(path)"
-        )
 
 
 def _and(names: Sequence[str]) -> str:

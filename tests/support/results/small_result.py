@@ -97,3 +97,16 @@ def small_result() -> SimpleNamespace:
         fps=FPS,
         holds=(),
     )
+
+
+@cache
+def touched_result() -> SimpleNamespace:
+    """The same result with contacts on the skin: at the vertex that is most its part's."""
+    result = SimpleNamespace(**vars(small_result()))
+    (person,) = result.people
+    contacts = SimpleNamespace(**vars(result.contacts))
+    vertex = np.argmax(np.asarray(person.body.weights), axis=0)
+    skin = person.body.vertices(person.motion)
+    contacts.position = skin[contacts.frame, vertex[np.maximum(contacts.part, 0)]]
+    result.contacts = contacts
+    return result

@@ -1,0 +1,53 @@
+"""Files that are dropped onto `view`: read as on the command line, refused in plain words."""
+
+from __future__ import annotations
+
+import pytest
+
+from halfphysics.errors import InputError
+from halfphysics.viewer import dropped as module
+from halfphysics.viewer.dropped import Dropped
+from halfphysics.viewer.motions import is_untouched
+from support.people import along_x
+
+
+@pytest.fixture
+def dropped():
+    files = Dropped()
+    yield files
+    folder = files._folder
+    files.close()
+    assert folder is None or not folder.exists()
+
+
+@pytest.fixture(scope="module")
+def walk(tmp_path_factory):
+    path = tmp_path_factory.mktemp("walk") / "walk.npz"
+    along_x(1.0, 8, 0.0, z=1.2).save(path)
+    return path.read_bytes()
+
+
+@pytest.mark.parametrize("name", ["walk.npz", "../../walk.npz", "C:\\clips\\walk.npz"])
+def test_a_motion_is_read_whatever_folder_its_name_has(dropped, walk, name):
+    result = dropped.read(name, walk)
+    assert len(result) == 8
+    assert is_untouched(result)
+    (file,) = dropped._folder.glob("*/*")
+    assert file.name == "walk.npz"
+
+
+def test_what_is_no_motion_is_said_in_one_line_with_its_name(dropped, walk):
+    with pytest.raises(InputError, match=r"^notes\.md: no known motion format\.") as error:
+        dropped.read("notes.md", b"# Notes")
+    assert str(error.value).endswith("Formats that are read: halfphysics formats")
+    assert len(str(error.value)) < 200
+    with pytest.raises(InputError, match=r"^half\.npz"):
+        dropped.read("half.npz", walk[: len(walk) // 2])
+    assert list(dropped._folder.glob("*/*")) == []
+
+
+def test_a_large_file_is_refused_before_it_is_read(dropped, walk, monkeypatch):
+    monkeypatch.setattr(module, "LIMIT", len(walk) - 1)
+    with pytest.raises(InputError, match=r"walk\.npz: 0 MB, expected up to"):
+        dropped.read("walk.npz", walk)
+    assert dropped._folder is None

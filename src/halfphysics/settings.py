@@ -116,6 +116,7 @@ class Settings:
 
     def __post_init__(self) -> None:
         check = FieldChecks(self)
+        check.plain()
         if self.substeps is not None:
             check.count("substeps")
         if isinstance(self.stiffness, Mapping):

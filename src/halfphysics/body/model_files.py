@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base import restricted_pickle
+from halfphysics.base.arrays import array_of
 from halfphysics.base.digests import sha256_of
 from halfphysics.base.npz_objects import NpzObjects
 from halfphysics.body.model_paths import GENDERS, find_model, gender_of
@@ -312,7 +313,7 @@ def _template(
         name = f"v_template: {path}"
         template, source = mesh_vertices(path), _source(path)
     try:
-        vertices = np.array(template, dtype=np.float64)
+        vertices = np.array(array_of(template), dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise InputError(f"{name}: not an array of numbers ({error})") from None
     if vertices.shape != (count, 3):

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import halfphysics._native as _native
+from halfphysics.base.arrays import as_array
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import PARENTS
 
@@ -129,7 +130,7 @@ def checked_indices(indices: Ints, count: int) -> Ints:
     Raises:
         InputError: Not whole numbers from 0 to `count` - 1.
     """
-    array = np.asarray(indices)
+    array = as_array(indices)
     if array.size == 0:
         return _NO_SUBSET
     if array.ndim != 1 or array.dtype.kind not in "iu":

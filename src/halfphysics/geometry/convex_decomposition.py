@@ -117,7 +117,7 @@ def checked_pieces(what: str, given: Sequence[object]) -> list[Mesh]:
                 raise InputError(
                     f"{here}: found {type(one).__name__}, expected a convex Mesh or trimesh.Trimesh"
                 )
-            one = Mesh(np.asarray(vertices), np.asarray(faces))
+            one = Mesh(vertices, faces)
         try:
             hull = one.hull
         except InputError as error:

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics.base.arrays import array_of, as_array
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.geometry import mesh_queries, mesh_solids
 from halfphysics.geometry.shape_base import Array, MassProperties, Shape, Triangles
@@ -40,8 +41,8 @@ class Mesh(Shape):
     faces: NDArray[np.int32]
 
     def __post_init__(self) -> None:
-        vertices = np.asarray(self.vertices, dtype=np.float64)
-        faces = np.asarray(self.faces)
+        vertices = np.asarray(array_of(self.vertices), dtype=np.float64)
+        faces = as_array(self.faces)
         if vertices.ndim != 2 or vertices.shape[1] != 3:
             raise InputError(f"Mesh: vertices: expected shape (V, 3), found {vertices.shape}")
         if faces.size == 0:
@@ -152,4 +153,4 @@ class Mesh(Shape):
 
     def depth(self, points: ArrayLike, *, threads: int = 1) -> Array:
         """How far points (n, 3) are inside [m], (n,): see `halfphysics.geometry.mesh_queries`."""
-        return self.query.depth(points, threads=threads)
+        return self.query.depth(as_array(points), threads=threads)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from halfphysics.base.arrays import as_array
 from halfphysics.metrics.argument_checks import Array
 
 _BATCH = 32  # frames skinned at a time: about 10 MB of vertices
@@ -26,5 +27,5 @@ def batches(frames: int) -> list[slice]:
 def skin(motion: Any, body: Any, part: slice) -> Array:
     """Vertices (t, V, 3) of the frames `part` of a motion, or of a single pose [m]."""
     whole = part == slice(0, frames_of(motion))
-    vertices = np.asarray(body.vertices(motion if whole else motion[part]))
+    vertices = as_array(body.vertices(motion if whole else motion[part]))
     return vertices.reshape(-1, *vertices.shape[-2:])

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base import validation
+from halfphysics.base.arrays import as_array
 from halfphysics.base.axes import axes_of, turned
 from halfphysics.base.validation import frame_rate, number
 from halfphysics.errors import InputError
@@ -185,8 +186,8 @@ class Motion:
         holds: tuple[AdaptedHold, ...] = (),
     ) -> Motion:
         return Motion(
-            np.asarray(translation, dtype=np.float64),
-            np.asarray(rotations, dtype=np.float64),
+            as_array(translation),
+            as_array(rotations),
             fps,
             betas=self.betas,
             gender=self.gender,
@@ -220,7 +221,7 @@ class Motion:
         """
         fps = self.fps if fps is None else fps
         metadata = self.origin
-        if len(np.asarray(translation)) == len(self) and fps == self.fps:
+        if len(as_array(translation)) == len(self) and fps == self.fps:
             kept = self.stiffness_scale, self.holds
             made = self._replaced(translation, rotations, fps, metadata, *kept)
             known = self.recorded is not None

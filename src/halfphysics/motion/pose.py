@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics.base.arrays import array_of, as_array
 from halfphysics.errors import InputError
 from halfphysics.motion import skeleton
 
@@ -14,7 +15,7 @@ Array = NDArray[np.float64]
 
 
 def frozen(array: ArrayLike) -> Array:
-    copy = np.array(array, dtype=np.float64)
+    copy = np.array(array_of(array), dtype=np.float64)
     copy.setflags(write=False)
     return copy
 
@@ -62,7 +63,7 @@ def checked_axes(axes: ArrayLike | None) -> Array:
 def flat_rotations(rotations: ArrayLike, leading: int) -> ArrayLike:
     """Rotations (..., 165) as (..., 55, 3); anything else unchanged, for the check to refuse."""
     width = 3 * skeleton.N_JOINTS
-    array = np.asarray(rotations)
+    array = as_array(rotations)
     if array.ndim == leading + 1 and array.shape[-1] == width:
         return array.reshape(*array.shape[:-1], skeleton.N_JOINTS, 3)
     return array

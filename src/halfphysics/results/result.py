@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.arrays import array_of
 from halfphysics.base.validation import is_whole, shown
 from halfphysics.errors import InputError
 from halfphysics.motion.motion import Motion
@@ -258,7 +259,7 @@ class Result:
         lengths = {f"people[{i}]": len(p.motion) for i, p in enumerate(self.people)}
         lengths |= {f"objects[{name!r}]": len(track) for name, track in self.objects.items()}
         for name in ("clearance", "lost_time"):
-            array = np.array(getattr(self, name), dtype=np.float64)
+            array = np.array(array_of(getattr(self, name)), dtype=np.float64)
             if array.ndim != 1 or np.isnan(array).any():
                 raise InputError(
                     f"{name}: found shape {array.shape} with {int(np.isnan(array).sum())} NaN, "
@@ -270,7 +271,7 @@ class Result:
         for field_name in ("diagnostics", "joints"):
             arrays = {}
             for name, given in getattr(self, field_name).items():
-                arrays[name] = np.array(given, dtype=np.float64)
+                arrays[name] = np.array(array_of(given), dtype=np.float64)
                 arrays[name].setflags(write=False)
                 lengths[f"{field_name}[{name!r}]"] = len(np.atleast_1d(arrays[name]))
             _set(self, field_name, MappingProxyType(arrays))

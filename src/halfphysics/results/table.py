@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.arrays import as_array
 from halfphysics.errors import InputError
 from halfphysics.motion.pose import checked
 
@@ -89,7 +90,7 @@ class Table:
 
 
 def _whole(name: str, value: Any) -> Ints:
-    array = np.asarray(value)
+    array = as_array(value)
     if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
         raise InputError(
             f"{name}: found shape {array.shape} of {array.dtype}, expected whole numbers (n,)"

@@ -165,7 +165,7 @@ def checked_shape(
             if hasattr(given, "graph") and hasattr(given, "geometry"):
                 given = Mesh(*meshes.flatten(given))
             elif hasattr(given, "vertices") and hasattr(given, "faces"):
-                given = Mesh(np.asarray(given.vertices), np.asarray(given.faces))
+                given = Mesh(given.vertices, given.faces)
         except InputError as error:
             raise InputError(f"{what}: {error}") from None
     if not isinstance(given, Mesh):

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics.base.arrays import scalar_of
 from halfphysics.errors import InputError
 from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.motion.pose import Pose
@@ -334,7 +335,7 @@ class Simulator:
 
 def _positive(name: str, value: float) -> float:
     try:
-        number = float(value)
+        number = float(scalar_of(value))
     except (TypeError, ValueError):
         number = math.nan
     if not (math.isfinite(number) and number > 0.0):

@@ -9,12 +9,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base.arrays import array_of, as_array, scalar_of
+from halfphysics.base.copying import ReadOnly
 from halfphysics.body import skinning
 from halfphysics.body.shape_space import ShapeSpace, Source
 from halfphysics.errors import InputError
@@ -36,8 +37,8 @@ _MASSES = (1.0, 500.0)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Body:
-    """A person's shape: skin, joints and skinning. Immutable: its arrays are read-only.
+class Body(ReadOnly):
+    """A person's shape: skin, joints and skinning. ReadOnly: its arrays are read-only.
 
     The rest frame is SMPL-X's: y up, z forward, x to the body's left. Files of SMPL-H and SMPL
     are fitted into the 55 SMPL-X joints: a joint that the file does not have is at its parent and
@@ -354,6 +355,12 @@ class Body:
         text = to_mjcf(self.variant)
         with atomic_write(path) as handle:
             handle.write(text.encode("utf-8"))
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        # The default body is one object in every process: it is named, not sent.
+        if _mean.cache_info().currsize and self is _mean():
+            return Body.default, ()
+        return super().__reduce_ex__(protocol)
 
     def _state(self, motion: Motion | Pose) -> tuple[Array, Array, bool]:
         """Rotations (T, 55, 3), pelvis positions (T, 3), and whether it was a single pose."""

@@ -14,6 +14,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.copying import ReadOnly
 from halfphysics.body.mass import solid_parts
 from halfphysics.body.part_hull import PartHull, part_hull
 from halfphysics.errors import HalfPhysicsWarning, InputError
@@ -47,7 +48,7 @@ class Skin(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Part:
+class Part(ReadOnly):
     """One rigid part, in its joint's frame.
 
     Attributes:
@@ -70,7 +71,7 @@ class Part:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Variant:
+class Variant(ReadOnly):
     """The rigid parts of one body shape.
 
     Attributes:

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 import halfphysics._native as _native
 from halfphysics.base.arrays import as_array
+from halfphysics.base.copying import ReadOnly
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import PARENTS
 
@@ -31,7 +32,7 @@ _NO_SUBSET = np.zeros(0, dtype=np.int32)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Skin:
+class Skin(ReadOnly):
     """The arrays of a shaped body for skinning, C-contiguous float64.
 
     Args:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base.arrays import array_of, as_array
+from halfphysics.base.copying import ReadOnly
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.geometry import mesh_queries, mesh_solids
 from halfphysics.geometry.shape_base import Array, MassProperties, Shape, Triangles
@@ -29,7 +30,7 @@ class MeshSource:
 
 
 @dataclass(frozen=True, eq=False)
-class Mesh(Shape):
+class Mesh(ReadOnly, Shape):
     """Triangles: `vertices` (V, 3) [m], `faces` (F, 3), counter-clockwise seen from outside.
 
     Vertices at exactly one place are merged, unused ones and triangles without three different

@@ -10,12 +10,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.copying import ReadOnly
 from halfphysics.errors import InputError
 from halfphysics.geometry.shape_base import Shape
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
@@ -64,7 +65,7 @@ class Solid:
 
 
 @dataclass(frozen=True, eq=False)
-class ItemSolids:
+class ItemSolids(ReadOnly):
     """A static, an object or a link: its collision geometry and its poses.
 
     Attributes:
@@ -75,6 +76,8 @@ class ItemSolids:
         stands: Whether it is a static, or a link that no joint moves.
         parts: Parts of a person that collide with it (55,): all but those the scene ignores.
     """
+
+    _REBUILT: ClassVar[frozenset[str]] = frozenset({"native"})
 
     name: str
     solids: tuple[Solid, ...]

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.copying import ReadOnly
 from halfphysics.errors import InputError
 from halfphysics.geometry.shape_base import Shape
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Sphere
@@ -31,7 +32,7 @@ MOST = 20_000
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ObjectSurface:
+class ObjectSurface(ReadOnly):
     """The vertices of an object that are labelled.
 
     Attributes:
@@ -41,6 +42,8 @@ class ObjectSurface:
         off: Largest distance of `vertices` from the collision geometry [m]: 0 except for a mesh
             that convex pieces replace.
     """
+
+    _REBUILT: ClassVar[frozenset[str]] = frozenset({"grid"})
 
     name: str
     vertices: Array

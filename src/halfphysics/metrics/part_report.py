@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.copying import ReadOnly
 from halfphysics.errors import FileError
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.results.records import SceneRecord
@@ -23,7 +24,7 @@ Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PartReport:
+class PartReport(ReadOnly):
     """Measures of every part of a person: arrays (T, 55), columns as `JOINT_NAMES`.
 
     Attributes:

@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.copying import ReadOnly
 from halfphysics.motion.resampling import neighbours
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class FileMetadata:
+class FileMetadata(ReadOnly):
     """Data of a motion file besides the motion: all that a writer needs to restore it.
 
     `fields` belongs to the format (key names, dtypes, constants); `per_frame` holds arrays

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from halfphysics.base import validation
 from halfphysics.base.arrays import as_array
 from halfphysics.base.axes import axes_of, turned
+from halfphysics.base.copying import ReadOnly
 from halfphysics.base.validation import frame_rate, number
 from halfphysics.errors import InputError
 from halfphysics.motion.adapted_hold import AdaptedHold, check_adaptation
@@ -37,8 +38,8 @@ _CHUNK = 64
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
-    """SMPL-X parameters of one person over T frames. Immutable: its arrays are read-only.
+class Motion(ReadOnly):
+    """SMPL-X parameters of one person over T frames. ReadOnly: its arrays are read-only.
 
     The world is z-up. The pelvis is at ``axes @ J0(betas) + translation`` where J0 is the
     pelvis of the shaped body at rest: the SMPL family turns about the pelvis, not the origin.

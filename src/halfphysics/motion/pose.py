@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base.arrays import array_of, as_array
+from halfphysics.base.copying import ReadOnly
 from halfphysics.errors import InputError
 from halfphysics.motion import skeleton
 
@@ -81,7 +82,7 @@ def checked_scale(scale: ArrayLike, shape: tuple[int | None, ...], expected: str
 
 
 @dataclass(frozen=True, eq=False)
-class Pose:
+class Pose(ReadOnly):
     """One frame: the position of the body and the rotations of its joints.
 
     Args:

@@ -10,13 +10,13 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.arrays import array_of
+from halfphysics.base.copying import FrozenMapping, ReadOnly
 from halfphysics.base.validation import is_whole, shown
 from halfphysics.errors import InputError
 from halfphysics.motion.motion import Motion
@@ -44,7 +44,7 @@ SETTLE = 0.5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ObjectTrack:
+class ObjectTrack(ReadOnly):
     """Poses of an object: `position` (T, 3) [m] and `quaternion` (T, 4) of its own frame."""
 
     position: Array
@@ -64,7 +64,7 @@ class ObjectTrack:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PersonResult:
+class PersonResult(ReadOnly):
     """One person of a result.
 
     Attributes:
@@ -165,7 +165,7 @@ DIAGNOSTICS = (
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Result:
+class Result(ReadOnly):
     """The result of `simulate`.
 
     Attributes:
@@ -218,7 +218,7 @@ class Result:
         typed("breaches", self.breaches, Breaches)
         typed("settings", self.settings, Settings)
         _set(self, "names", tuple(self.names))
-        _set(self, "objects", MappingProxyType(dict(self.objects)))
+        _set(self, "objects", FrozenMapping(dict(self.objects)))
         if not self.people:
             raise InputError("people: found none, expected at least one")
         self._check_lengths()
@@ -274,7 +274,7 @@ class Result:
                 arrays[name] = np.array(array_of(given), dtype=np.float64)
                 arrays[name].setflags(write=False)
                 lengths[f"{field_name}[{name!r}]"] = len(np.atleast_1d(arrays[name]))
-            _set(self, field_name, MappingProxyType(arrays))
+            _set(self, field_name, FrozenMapping(arrays))
         wrong = {name: length for name, length in lengths.items() if length != frames}
         if wrong:
             raise InputError(f"result: found lengths {wrong}, expected {frames} frames in each")

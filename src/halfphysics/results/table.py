@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.arrays import as_array
+from halfphysics.base.copying import ReadOnly
 from halfphysics.errors import InputError
 from halfphysics.motion.pose import checked
 
@@ -17,7 +18,7 @@ Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Table:
+class Table(ReadOnly):
     """Columns of one length n: whole numbers (n,) unless declared otherwise.
 
     Raises:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.copying import ReadOnly
 from halfphysics.geometry.colliders import ConvexCollider, convex_collider
 from halfphysics.geometry.shape_base import Shape, Triangles
 
@@ -27,7 +28,7 @@ SIZES = {"free": (7, 6), "ball": (4, 3), "slide": (1, 1), "hinge": (1, 1)}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class LinkGeom:
+class LinkGeom(ReadOnly):
     """A convex solid of a link that touches; pose of its frame in the link's."""
 
     shape: Shape
@@ -40,7 +41,7 @@ class LinkGeom:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class LinkJoint:
+class LinkJoint(ReadOnly):
     """A joint between a link and its parent.
 
     `kind`: "hinge", "slide", "ball" or "free". `position` (3,) and unit `axis` (3,) in the link's
@@ -67,7 +68,7 @@ class LinkJoint:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Link:
+class Link(ReadOnly):
     """A rigid body of an articulated object.
 
     `parent` is an index into the links (-1: the articulated object's own frame), `position` and
@@ -101,7 +102,7 @@ class Link:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Articulated:
+class Articulated(ReadOnly):
     """Links and joints that move by contact and gravity; frame at `position`, `quaternion`.
 
     Results name its links "NAME/LINK" (`Result.objects`, `Result.names`) and its joints

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics.base.copying import ReadOnly
 from halfphysics.base.validation import number, quaternion, shown, vector
 from halfphysics.errors import InputError
 from halfphysics.geometry.contact_pieces import joined
@@ -30,7 +31,7 @@ OBJECT_FRICTION = 0.8
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Static:
+class Static(ReadOnly):
     """Static geometry; `position` (3,), `quaternion` (4,) of its frame in the world."""
 
     name: str
@@ -47,7 +48,7 @@ class Static:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Object:
+class Object(ReadOnly):
     """A rigid body that moves by contact and gravity alone.
 
     `pieces` are the convex shapes that collide: one primitive or mesh, or the pieces of a divided

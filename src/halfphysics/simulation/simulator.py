@@ -292,6 +292,33 @@ class Simulator:
         self._must_run("ray")
         return live_edits.ray(self.world, self._axes, origin, direction, ignore)
 
+    def __getstate__(self) -> dict[str, Any]:
+        """For copies and other processes: what the world is made of, and the state it is in."""
+        return {
+            "bodies": self.bodies,
+            "scene": self.world.made_of,
+            "settings": self.settings,
+            "dt": self.dt,
+            "axes": self._axes,
+            "state": self.get_state() if self._started else None,
+        }
+
+    def __setstate__(self, given: dict[str, Any]) -> None:
+        self.settings, self.dt, self._axes = given["settings"], given["dt"], given["axes"]
+        self.world = build_world(given["bodies"], given["scene"], given["settings"])
+        self._started = False
+        if given["state"] is not None:
+            self.set_state(given["state"])
+
+    def __repr__(self) -> str:
+        world = self.world
+        people, items = len(self.bodies), len(self.names) - len(self.bodies)
+        return (
+            f"Simulator({people} {'person' if people == 1 else 'people'}, {items} items, "
+            f"{world.nv} degrees of freedom, {1.0 / self.dt:g} fps: "
+            f"{'running' if self._started else 'call reset(pose) first'})"
+        )
+
     # -- inside ----------------------------------------------------------------------------
 
     def _must_run(self, what: str) -> None:

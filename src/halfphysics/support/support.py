@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.copying import ReadOnly
 from halfphysics.base.suggestions import did_you_mean
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
@@ -48,7 +49,7 @@ class Pressure(Table):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Support:
+class Support(ReadOnly):
     """What holds a person up, in T frames: forces on the person, world frame.
 
     A residual is what no surface can supply: a motion whose residual is large is not possible

@@ -11,6 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from typing import Any, Self
 
+from halfphysics.base.copying import Bound
 from halfphysics.viewer.address import announcement, url
 from halfphysics.viewer.server import close_server, open_server
 
@@ -20,7 +21,7 @@ _LOOK = 0.1
 _PATIENCE = 10.0
 
 
-class Served(ABC):
+class Served(Bound, ABC):
     """A scene served to browsers until `stop`, or the end of a `with` block.
 
     One thread owns the scene; tasks of other threads wait until it has made its frame.
@@ -38,6 +39,7 @@ class Served(ABC):
         HalfPhysicsError: An invalid host or port, no port is free, viser is missing.
     """
 
+    _WHY = "it serves pages from a thread of this process; show the result over there"
     #: Start of the announcement, before "at" and the address.
     _what: str
     #: Height in a notebook [pixels].

@@ -9,6 +9,7 @@ from enum import IntEnum
 from typing import Any, Literal
 
 from halfphysics.base.field_checks import FieldChecks
+from halfphysics.base.short_repr import changed_repr
 from halfphysics.body.strength import checked_strength
 from halfphysics.errors import InputError
 from halfphysics.motion.joint_groups import joint_values
@@ -113,6 +114,8 @@ class Settings:
     """Threads for measuring a result (a substep runs on one); no number depends on it."""
     record: Literal["frames", "substeps"] = "frames"
     """Keep the pose at every frame, or at every committed substep too."""
+
+    __repr__ = changed_repr
 
     def __post_init__(self) -> None:
         check = FieldChecks(self)

@@ -7,6 +7,8 @@ from typing import Any, ClassVar, NoReturn, TypeVar
 
 import numpy as np
 
+from halfphysics.base.short_repr import value_repr
+
 K = TypeVar("K")
 V = TypeVar("V")
 
@@ -42,7 +44,8 @@ class FrozenMapping(Mapping[K, V]):
         raise AttributeError(f"{type(self).__name__} never changes")
 
     def __repr__(self) -> str:
-        return repr(self._items)
+        entries = (f"{key!r}: {value_repr(value)}" for key, value in self._items.items())
+        return f"{{{', '.join(entries)}}}"
 
     def __getstate__(self) -> dict[K, V]:
         return self._items

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.copying import ReadOnly
+from halfphysics.base.short_repr import short_repr
 from halfphysics.body.mass import solid_parts
 from halfphysics.body.part_hull import PartHull, part_hull
 from halfphysics.errors import HalfPhysicsWarning, InputError
@@ -69,6 +70,8 @@ class Part(ReadOnly):
     com: Array
     inertia: Array
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Variant(ReadOnly):
@@ -85,6 +88,8 @@ class Variant(ReadOnly):
     joint_offsets: Array
     volume: float
     mass: float
+
+    __repr__ = short_repr
 
     @property
     def standing_height(self) -> float:

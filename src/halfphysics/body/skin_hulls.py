@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base.copying import ReadOnly
+from halfphysics.base.short_repr import short_repr
 from halfphysics.body.skin_cut import cut_faces, parts_of_faces
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import N_JOINTS
@@ -45,6 +46,8 @@ class SkinHulls(ReadOnly):
     part: Ints
     first: Ints
     vertex: NDArray[np.int32]
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for array in (self.part, self.first, self.vertex):

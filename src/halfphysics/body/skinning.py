@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 import halfphysics._native as _native
 from halfphysics.base.arrays import as_array
 from halfphysics.base.copying import ReadOnly
+from halfphysics.base.short_repr import short_repr
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import PARENTS
 
@@ -47,6 +48,8 @@ class Skin(ReadOnly):
     rest_joints: Array
     weights: Array
     posedirs: Array | None
+
+    __repr__ = short_repr
 
     @cached_property
     def sparse_weights(self) -> tuple[Ints, Ints, Array]:

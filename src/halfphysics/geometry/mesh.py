@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base.arrays import array_of, as_array
 from halfphysics.base.copying import ReadOnly
+from halfphysics.base.short_repr import counted, numbers
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.geometry import mesh_queries, mesh_solids
 from halfphysics.geometry.shape_base import Array, MassProperties, Shape, Triangles
@@ -70,6 +71,13 @@ class Mesh(ReadOnly, Shape):
         kept.setflags(write=False)
         object.__setattr__(self, "vertices", vertices)
         object.__setattr__(self, "faces", kept)
+
+    def __repr__(self) -> str:
+        return (
+            f"Mesh({counted(len(self.vertices), 'vertex', 'vertices')}, "
+            f"{counted(len(self.faces), 'triangle')}, "
+            f"{numbers(np.ptp(self.vertices, axis=0))} m)"
+        )
 
     @cached_property
     def closed(self) -> bool:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
 from halfphysics.base.copying import ReadOnly
+from halfphysics.base.short_repr import short_repr
 from halfphysics.errors import InputError
 from halfphysics.geometry.shape_base import Shape
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
@@ -85,6 +86,8 @@ class ItemSolids(ReadOnly):
     turn: Array
     stands: bool
     parts: NDArray[np.bool_]
+
+    __repr__ = short_repr
 
     @property
     def still(self) -> bool:

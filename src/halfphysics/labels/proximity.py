@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.short_repr import short_repr
 from halfphysics.body import skinning
 from halfphysics.labels.bounding_spheres import PartBalls, part_balls
 from halfphysics.labels.item_solids import ItemSolids
@@ -46,6 +47,8 @@ class Near:
     distance: Array
     nearest: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
     point: Array = field(default_factory=lambda: np.zeros((0, 3)))
+
+    __repr__ = short_repr
 
     def within(self, threshold: float) -> Near:
         """The rows with at most a distance [m]."""

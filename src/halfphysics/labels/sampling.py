@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
 from halfphysics.base.copying import ReadOnly
+from halfphysics.base.short_repr import short_repr
 from halfphysics.errors import InputError
 from halfphysics.geometry.shape_base import Shape
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Sphere
@@ -49,6 +50,8 @@ class ObjectSurface(ReadOnly):
     vertices: Array
     faces: NDArray[np.int32]
     off: float
+
+    __repr__ = short_repr
 
     @cached_property
     def grid(self) -> Any:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
 from halfphysics.base.copying import FrozenMapping
+from halfphysics.base.short_repr import short_repr
 from halfphysics.base.validation import number
 from halfphysics.metrics.argument_checks import check_result
 from halfphysics.motion.joint_groups import JOINT_GROUPS
@@ -44,6 +45,8 @@ class Deviation:
     local_mm: Mapping[str, float]
     angle_deg: Mapping[str, float]
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class IntentReport:
@@ -58,6 +61,8 @@ class IntentReport:
     whole: Deviation
     free: Deviation
     touched: Deviation
+
+    __repr__ = short_repr
 
 
 def deviation(result: Result, person: int = 0, *, settle: float = SETTLE) -> IntentReport:

@@ -10,6 +10,7 @@ import numpy as np
 
 from halfphysics.base import rotations as rot
 from halfphysics.base.copying import FrozenMapping
+from halfphysics.base.short_repr import short_repr
 from halfphysics.metrics.argument_checks import Array, check_result
 from halfphysics.metrics.scene_solids import links_of
 from halfphysics.motion.skeleton import JOINT_NAMES
@@ -50,6 +51,8 @@ class ForceReport:
     slip: float
     balance: Mapping[str, Array]
     unbalanced: float
+
+    __repr__ = short_repr
 
 
 def contact_forces(result: Result) -> ForceReport:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
 from halfphysics.base.copying import ReadOnly
+from halfphysics.base.short_repr import short_repr
 from halfphysics.errors import FileError
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.results.records import SceneRecord
@@ -47,6 +48,8 @@ class PartReport(ReadOnly):
     force: Array
     displacement: Array
     rotation: Array
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for column in fields(self):

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from halfphysics.base import rotations, validation
+from halfphysics.base.short_repr import short_repr
 from halfphysics.base.validation import number, shown
 from halfphysics.errors import InputError
 from halfphysics.geometry.mesh_queries import MeshQuery, is_closed
@@ -45,6 +46,8 @@ class PenetrationReport:
     deepest: Array
     by_name: Mapping[str, Array]
     vertices_inside: int = 0
+
+    __repr__ = short_repr
 
 
 def penetration(

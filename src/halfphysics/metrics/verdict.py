@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from halfphysics.base.copying import FrozenMapping
+from halfphysics.base.short_repr import short_repr
 from halfphysics.metrics.measures import MEASURES, Measure
 
 
@@ -25,6 +26,8 @@ class Verdict:
     missing: Mapping[str, str]
     frames: int
     fps: float
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for name in ("values", "missing"):

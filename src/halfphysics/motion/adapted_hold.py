@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
 from halfphysics.base.copying import ReadOnly
+from halfphysics.base.short_repr import short_repr
 from halfphysics.base.validation import is_whole, number, shown
 from halfphysics.errors import InputError
 from halfphysics.motion.pose import checked
@@ -49,6 +50,8 @@ class AdaptedHold(ReadOnly):
     moved: tuple[float, ...]
     position: Array = field(repr=False)
     quaternion: Array = field(repr=False)
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         what = f"hold of {shown(self.object)}"

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.copying import ReadOnly
+from halfphysics.base.short_repr import short_repr
 from halfphysics.motion.resampling import neighbours
 
 Array = NDArray[np.float64]
@@ -26,6 +27,8 @@ class FileMetadata(ReadOnly):
     format: str
     fields: Mapping[str, Any] = field(default_factory=dict)
     per_frame: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+
+    __repr__ = short_repr
 
     def taken(self, rows: Any) -> FileMetadata:
         """The same with the per-frame arrays indexed by `rows`."""

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base.arrays import array_of, as_array
 from halfphysics.base.copying import ReadOnly
+from halfphysics.base.short_repr import numbers
 from halfphysics.errors import InputError
 from halfphysics.motion import skeleton
 
@@ -112,6 +113,9 @@ class Pose(ReadOnly):
         if self.stiffness_scale is not None:
             scale = checked_scale(self.stiffness_scale, (skeleton.N_JOINTS,), "(55,)")
             object.__setattr__(self, "stiffness_scale", scale)
+
+    def __repr__(self) -> str:
+        return f"Pose({skeleton.N_JOINTS} joints, translation {numbers(self.translation)} m)"
 
     @classmethod
     def trusted(cls, translation: Array, rotations: Array, axes: Array) -> Pose:

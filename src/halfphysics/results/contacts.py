@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.short_repr import counted
 from halfphysics.results.table import Ints, Table
 
 Array = NDArray[np.float64]
@@ -44,6 +45,15 @@ class Contacts(Table):
     impulse: Array
     subject: Ints
     other_part: Ints
+
+    def __repr__(self) -> str:
+        if not len(self):
+            return "Contacts(none)"
+        parts = counted(len(np.unique(self.part[self.part >= 0])), "part")
+        return (
+            f"Contacts({counted(len(self), 'row')} in frames {self.frame.min()} to "
+            f"{self.frame.max()}, {parts}, impulses up to {self.strength.max():.3g} N s)"
+        )
 
     @property
     def strength(self) -> Array:

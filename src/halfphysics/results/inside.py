@@ -13,6 +13,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.short_repr import counted
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.results.table import Ints, Table
@@ -46,6 +47,14 @@ class Depths(Table):
         super().__post_init__()
         if len(self) and self.depth.min() < 0.0:
             raise InputError(f"inside.depth: found {self.depth.min():g}, expected 0 or more [m]")
+
+    def __repr__(self) -> str:
+        if not len(self):
+            return f"{type(self).__name__}(none)"
+        frame = getattr(self, "frame", None)
+        when = "" if frame is None else f" in frames {frame.min()} to {frame.max()}"
+        deepest = f"up to {1000.0 * self.depth.max():.3g} mm deep"
+        return f"{type(self).__name__}({counted(len(self), 'row')}{when}, {deepest})"
 
     @property
     def no_way_out(self) -> NDArray[np.bool_]:
@@ -89,6 +98,8 @@ class Inside(Depths):
 
     frame: Ints
 
+    __repr__ = Depths.__repr__
+
     def at(self, frame: int) -> Depths:
         """The rows of one frame."""
         rows = self[self.frame == frame]
@@ -104,6 +115,8 @@ class Breaches(Inside):
     """
 
     NAME: ClassVar[str] = "breaches"
+
+    __repr__ = Depths.__repr__
 
 
 def deepest_first(depth: Array) -> Array:

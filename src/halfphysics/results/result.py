@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base.arrays import array_of
 from halfphysics.base.copying import FrozenMapping, ReadOnly
+from halfphysics.base.short_repr import counted, numbers
 from halfphysics.base.validation import is_whole, shown
 from halfphysics.errors import InputError
 from halfphysics.motion.motion import Motion
@@ -61,6 +62,10 @@ class ObjectTrack(ReadOnly):
 
     def __len__(self) -> int:
         return len(self.position)
+
+    def __repr__(self) -> str:
+        ends = f"{numbers(self.position[0])} to {numbers(self.position[-1])} m" if len(self) else ""
+        return f"ObjectTrack({counted(len(self), 'frame')}, {ends})"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -119,6 +124,13 @@ class PersonResult(ReadOnly):
         flags.setflags(write=False)
         _set(self, "corrected", flags)
         _set(self, "motion", self.motion.bare())  # what was to be held is the reference's
+
+    def __repr__(self) -> str:
+        off = np.linalg.norm(self.motion.translation - self.recorded.translation, axis=1).max()
+        return (
+            f"PersonResult({self.name}: {len(self.motion)} frames at {self.motion.fps:g} fps, "
+            f"root up to {1000.0 * off:.3g} mm off its path)"
+        )
 
     @property
     def recorded(self) -> Motion:
@@ -285,8 +297,9 @@ class Result(ReadOnly):
 
     def __repr__(self) -> str:
         return (
-            f"Result({len(self)} frames at {self.fps:g} fps, {len(self.people)} person(s), "
-            f"{len(self.objects)} object(s), {len(self.contacts)} contacts)"
+            f"Result({len(self)} frames at {self.fps:g} fps, "
+            f"{counted(len(self.people), 'person', 'people')}, "
+            f"{counted(len(self.objects), 'object')}, {counted(len(self.contacts), 'contact')})"
         )
 
     @property

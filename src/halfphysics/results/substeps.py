@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.copying import FrozenMapping, ReadOnly
+from halfphysics.base.short_repr import counted
 from halfphysics.base.validation import frame_rate
 from halfphysics.motion.motion import Motion
 
@@ -45,6 +46,14 @@ class Substeps(ReadOnly):
 
     motions: tuple[Motion, ...]
     objects: Mapping[str, ObjectTrack]
+
+    def __repr__(self) -> str:
+        first = self.motions[0]
+        return (
+            f"Substeps({len(first)} poses at {first.fps:g} per second, "
+            f"{counted(len(self.motions), 'person', 'people')}, "
+            f"{counted(len(self.objects), 'object')})"
+        )
 
     def __post_init__(self) -> None:
         _set(self, "motions", tuple(self.motions))

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
 from halfphysics.base.copying import ReadOnly
+from halfphysics.base.short_repr import short_repr
 from halfphysics.geometry.colliders import ConvexCollider, convex_collider
 from halfphysics.geometry.shape_base import Shape, Triangles
 
@@ -34,6 +35,8 @@ class LinkGeom(ReadOnly):
     shape: Shape
     position: Array
     quaternion: Array
+
+    __repr__ = short_repr
 
     def collider(self) -> ConvexCollider:
         """The collision geometry, in the link's frame."""
@@ -62,6 +65,8 @@ class LinkJoint(ReadOnly):
     springref: float = 0.0
     armature: float = 0.0
 
+    __repr__ = short_repr
+
     @property
     def limited(self) -> bool:
         return bool(np.isfinite(self.lower))
@@ -88,6 +93,8 @@ class Link(ReadOnly):
     joints: tuple[LinkJoint, ...]
     geoms: tuple[LinkGeom, ...]
     fixed: bool
+
+    __repr__ = short_repr
 
     def mesh(self) -> Triangles:
         """Vertices (V, 3) [m] and faces (F, 3) of the collision geometry, in the link's frame."""

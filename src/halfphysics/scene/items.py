@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base.copying import ReadOnly
+from halfphysics.base.short_repr import short_repr
 from halfphysics.base.validation import number, quaternion, shown, vector
 from halfphysics.errors import InputError
 from halfphysics.geometry.contact_pieces import joined
@@ -41,6 +42,8 @@ class Static(ReadOnly):
     friction: float = STATIC_FRICTION
     restitution: float = 0.0
     source: MeshSource | None = None
+
+    __repr__ = short_repr
 
     def mesh(self) -> Triangles:
         """Vertices (V, 3) [m] and faces (F, 3) in its own frame; a plane is a large square."""
@@ -76,6 +79,8 @@ class Object(ReadOnly):
     start: str = "awake"
     cut: Cut = USUAL
     decomposition: Decomposition | None = None
+
+    __repr__ = short_repr
 
     @property
     def pieces(self) -> tuple[Shape, ...]:

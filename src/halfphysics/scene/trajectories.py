@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base import rotations as rot
 from halfphysics.base.arrays import array_of, as_array
+from halfphysics.base.short_repr import short_repr
 from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
 from halfphysics.scene.items import Object
@@ -30,6 +31,8 @@ class KinematicObject(Object):
     quaternions: Array
     fps: float
     loop: bool = False
+
+    __repr__ = short_repr
 
     def at(self, time: ArrayLike) -> tuple[Array, Array]:
         """Positions (..., 3) and quaternions (..., 4) at times (...) [s], without delays."""

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from halfphysics.base.short_repr import short_repr
 from halfphysics.motion.motion import Motion
 from halfphysics.settings import Settings
 
@@ -34,6 +35,8 @@ class Sequence:
     body: Body | tuple[Body, ...] | None = None
     settings: Settings = field(default_factory=Settings)
     recorded: Mapping[str, ObjectTrack] = field(default_factory=dict)
+
+    __repr__ = short_repr
 
     @property
     def motions(self) -> tuple[Motion, ...]:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base.arrays import scalar_of
+from halfphysics.base.short_repr import counted
 from halfphysics.errors import InputError
 from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.motion.pose import Pose
@@ -312,10 +313,11 @@ class Simulator:
 
     def __repr__(self) -> str:
         world = self.world
-        people, items = len(self.bodies), len(self.names) - len(self.bodies)
+        statics = len(world.made_of.statics)
         return (
-            f"Simulator({people} {'person' if people == 1 else 'people'}, {items} items, "
-            f"{world.nv} degrees of freedom, {1.0 / self.dt:g} fps: "
+            f"Simulator({counted(len(self.bodies), 'person', 'people')}, "
+            f"{counted(statics, 'static')}, {counted(len(world.tracked), 'object')}, "
+            f"{1.0 / self.dt:g} fps: "
             f"{'running' if self._started else 'call reset(pose) first'})"
         )
 

@@ -53,7 +53,8 @@ def counted(count: int, one: str, several: str | None = None) -> str:
 
 def numbers(values: Any, digits: int = 2) -> str:
     """A short vector such as "(1.00, -0.30, 0.95)"."""
-    return f"({', '.join(f'{round(v, digits) + 0.0:.{digits}f}' for v in np.asarray(values).tolist())})"
+    rounded = [round(v, digits) + 0.0 for v in np.asarray(values).tolist()]
+    return f"({', '.join(f'{v:.{digits}f}' for v in rounded)})"
 
 
 def value_repr(value: Any) -> str:

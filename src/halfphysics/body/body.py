@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base.arrays import array_of, as_array, scalar_of
 from halfphysics.base.copying import ReadOnly
+from halfphysics.base.in_notebook import InNotebook
 from halfphysics.body import skinning
 from halfphysics.body.shape_space import ShapeSpace, Source
 from halfphysics.errors import InputError
@@ -37,7 +38,7 @@ _MASSES = (1.0, 500.0)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Body(ReadOnly):
+class Body(InNotebook, ReadOnly):
     """A person's shape: skin, joints and skinning. ReadOnly: its arrays are read-only.
 
     The rest frame is SMPL-X's: y up, z forward, x to the body's left. Files of SMPL-H and SMPL

@@ -15,6 +15,7 @@ from halfphysics.base import validation
 from halfphysics.base.arrays import as_array
 from halfphysics.base.axes import axes_of, turned
 from halfphysics.base.copying import ReadOnly
+from halfphysics.base.in_notebook import InNotebook
 from halfphysics.base.validation import frame_rate, number
 from halfphysics.errors import InputError
 from halfphysics.motion.adapted_hold import AdaptedHold, check_adaptation
@@ -38,7 +39,7 @@ _CHUNK = 64
 
 
 @dataclass(frozen=True, eq=False)
-class Motion(ReadOnly):
+class Motion(InNotebook, ReadOnly):
     """SMPL-X parameters of one person over T frames. ReadOnly: its arrays are read-only.
 
     The world is z-up. The pelvis is at ``axes @ J0(betas) + translation`` where J0 is the

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base.arrays import array_of, as_array
 from halfphysics.base.copying import ReadOnly
+from halfphysics.base.in_notebook import InNotebook
 from halfphysics.base.short_repr import numbers
 from halfphysics.errors import InputError
 from halfphysics.motion import skeleton
@@ -83,7 +84,7 @@ def checked_scale(scale: ArrayLike, shape: tuple[int | None, ...], expected: str
 
 
 @dataclass(frozen=True, eq=False)
-class Pose(ReadOnly):
+class Pose(InNotebook, ReadOnly):
     """One frame: the position of the body and the rotations of its joints.
 
     Args:

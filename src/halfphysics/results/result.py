@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base.arrays import array_of
 from halfphysics.base.copying import FrozenMapping, ReadOnly
+from halfphysics.base.in_notebook import InNotebook
 from halfphysics.base.short_repr import counted, numbers
 from halfphysics.base.validation import is_whole, shown
 from halfphysics.errors import InputError
@@ -69,7 +70,7 @@ class ObjectTrack(ReadOnly):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PersonResult(ReadOnly):
+class PersonResult(InNotebook, ReadOnly):
     """One person of a result.
 
     Attributes:
@@ -177,7 +178,7 @@ DIAGNOSTICS = (
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Result(ReadOnly):
+class Result(InNotebook, ReadOnly):
     """The result of `simulate`.
 
     Attributes:
@@ -388,6 +389,12 @@ class Result(ReadOnly):
         from halfphysics.metrics.result_report import summary
 
         return summary(self)
+
+    def _notebook_lines(self) -> list[str]:
+        """The summary without what takes seconds: how people stand and slide."""
+        from halfphysics.metrics.result_report import summary
+
+        return summary(self, brief=True).splitlines()
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the result as one npz, whole or not at all.

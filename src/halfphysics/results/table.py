@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base.arrays import as_array
 from halfphysics.base.copying import ReadOnly
+from halfphysics.base.in_notebook import InNotebook
 from halfphysics.errors import InputError
 from halfphysics.motion.pose import checked
 
@@ -18,7 +19,7 @@ Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Table(ReadOnly):
+class Table(InNotebook, ReadOnly):
     """Columns of one length n: whole numbers (n,) unless declared otherwise.
 
     Raises:

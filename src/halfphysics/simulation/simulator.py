@@ -11,10 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base.arrays import scalar_of
+from halfphysics.base.in_notebook import InNotebook
 from halfphysics.base.short_repr import counted
 from halfphysics.errors import InputError
 from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.motion.pose import Pose
+from halfphysics.results.moment import Figure, Moment, at_start, standing_still, tracks
+from halfphysics.results.overview import scene_lines
 from halfphysics.simulation import holding, live_edits
 from halfphysics.simulation.argument_checks import (
     checked_bodies,
@@ -34,7 +37,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-class Simulator:
+class Simulator(InNotebook):
     """Half-physics, one frame at a time; the numbers are those of `simulate`.
 
     Args:
@@ -320,6 +323,23 @@ class Simulator:
             f"{1.0 / self.dt:g} fps: "
             f"{'running' if self._started else 'call reset(pose) first'})"
         )
+
+    def _notebook_moment(self) -> Moment:
+        """People and things where they are now; before `reset` the scene alone, at its start."""
+        scene = self.world.made_of
+        if not self._started:
+            return Moment(scene=scene, objects=at_start(scene))
+        qpos = self.world.stepper.qpos()
+        people = tuple(
+            Figure(body, standing_still(Pose(*person.pose(qpos, axes), axes)))
+            for body, person, axes in zip(self.bodies, self.world.people, self._axes, strict=True)
+        )
+        poses = {place.name: place.pose(qpos) for place in self.world.tracked}
+        return Moment(people=people, scene=scene, objects=tracks(poses))
+
+    def _notebook_lines(self) -> list[str]:
+        held = [f"{name}: held by {part}" for name, (_, part) in self.held.items()]
+        return [*scene_lines(self.world.made_of), *held]
 
     # -- inside ----------------------------------------------------------------------------
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import ClassVar
 
 import numpy as np
@@ -35,6 +37,7 @@ class Contacts(Table):
 
     NAME: ClassVar[str] = "contacts"
     VECTORS: ClassVar[frozenset[str]] = frozenset({"position", "normal", "impulse"})
+    UNITS: ClassVar[Mapping[str, str]] = MappingProxyType({"position": "m", "impulse": "N s"})
 
     frame: Ints
     person: Ints

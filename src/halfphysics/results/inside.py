@@ -6,8 +6,9 @@ beyond a wall, as seen from the rest of the body, counts as inside it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import ClassVar
 
 import numpy as np
@@ -36,6 +37,7 @@ class Depths(Table):
 
     NAME: ClassVar[str] = "inside"
     NUMBERS: ClassVar[frozenset[str]] = frozenset({"depth"})
+    UNITS: ClassVar[Mapping[str, str]] = MappingProxyType({"depth": "m"})
 
     person: Ints
     part: Ints
@@ -103,7 +105,8 @@ class Inside(Depths):
     def at(self, frame: int) -> Depths:
         """The rows of one frame."""
         rows = self[self.frame == frame]
-        return Depths(**{name: getattr(rows, name) for name in Depths.columns()})
+        found = Depths(**{name: getattr(rows, name) for name in Depths.columns()})
+        return found if self.naming is None else found.named(self.naming)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

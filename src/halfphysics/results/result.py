@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
@@ -28,11 +28,15 @@ from halfphysics.results.contacts import Contacts
 from halfphysics.results.deferred import Deferred, typed, typed_or_deferred
 from halfphysics.results.held import HeldReport, held
 from halfphysics.results.inside import Breaches, Inside
+from halfphysics.results.naming import Naming
 from halfphysics.results.substeps import Substeps
 from halfphysics.results.surroundings import Surroundings
 from halfphysics.settings import Settings
 
 if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+
     from halfphysics.body.body import Body
     from halfphysics.metrics.part_report import PartReport
     from halfphysics.scene.scene import Scene
@@ -251,6 +255,9 @@ class Result(InNotebook, ReadOnly):
         self.contacts.check_within(limits)
         self.inside.check_within(limits)
         self.breaches.check_within(limits)
+        naming = Naming(self.names, len(self.people), self.fps)
+        for name in ("contacts", "inside", "breaches"):
+            _set(self, name, getattr(self, name).named(naming))
         _set(self, "people", tuple(self._settled(index) for index in range(len(self.people))))
 
     def _settled(self, index: int) -> PersonResult:
@@ -389,6 +396,52 @@ class Result(InNotebook, ReadOnly):
         from halfphysics.metrics.result_report import summary
 
         return summary(self)
+
+    def to_xarray(self, *, joints: bool = True, vertices: bool = False) -> xarray.Dataset:
+        """The result as a dataset with named dimensions, coordinates and units.
+
+        Dimensions are time, person, joint, object, contact, inside, breach, xyz and wxyz; substep
+        where they were recorded. Nothing is lost: the numbers are the result's, and indices of
+        contacts are names. docs/python.md lists the variables.
+
+        Args:
+            joints: With `joint_position` (person, time, joint, xyz) [m].
+            vertices: With `vertex_position` (person, time, vertex, xyz) [m]: 0.3 MB a frame.
+
+        Raises:
+            MissingDependencyError: xarray is missing: pip install 'halfphysics[frames]'.
+            FileError: In a result from a file: a body is missing, and joints need it.
+            InputError: `vertices` of people with skins of different sizes.
+        """
+        from halfphysics.results.dataset import to_dataset
+
+        dataset: xarray.Dataset = to_dataset(self, joints=joints, vertices=vertices)
+        return dataset
+
+    def plot(
+        self,
+        what: str | Sequence[str] = ("clearance", "forces", "offsets"),
+        *,
+        ax: Any = None,
+    ) -> Figure:
+        """Charts over time, below one another, as a figure of matplotlib.
+
+        Args:
+            what: Some of "clearance" (smallest distance to statics [mm]), "forces" (of contacts
+                between people and things [N]), "offsets" (of joints from the motion as recorded,
+                mean and largest [mm]) and "support" (what holds people up [% of the weight], which
+                takes seconds).
+            ax: Axes to draw into, one for each; None: a new figure.
+
+        Raises:
+            MissingDependencyError: matplotlib is missing: pip install 'halfphysics[notebook]'.
+            InputError: A chart that does not exist, or another number of axes.
+            FileError: In a result from a file: a body is missing.
+        """
+        from halfphysics.results.plots import plot
+
+        figure: Figure = plot(self, what, ax)
+        return figure
 
     def _notebook_lines(self) -> list[str]:
         """The summary without what takes seconds: how people stand and slide."""

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 from typing import ClassVar
 
 import numpy as np
@@ -38,6 +40,7 @@ class Pressure(Table):
 
     NAME: ClassVar[str] = "pressure"
     VECTORS: ClassVar[frozenset[str]] = frozenset({"position", "normal", "force"})
+    UNITS: ClassVar[Mapping[str, str]] = MappingProxyType({"position": "m", "force": "N"})
 
     frame: Ints
     vertex: Ints

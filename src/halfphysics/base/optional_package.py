@@ -21,6 +21,7 @@ def optional(module: str, what: str, extra: str) -> Any:
     """
     package = module.split(".")[0]
     try:
+        importlib.import_module(package)
         return importlib.import_module(module)
     except ImportError as error:
         found = "" if getattr(error, "name", package) == package else f" (it failed: {error})"

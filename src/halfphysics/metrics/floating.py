@@ -152,7 +152,10 @@ def physdiff(motion: Any, body: Any, *, ground: float = 0.0) -> PhysDiffReport:
     ground = number(ground, "ground", unit="m")
     skate = foot_skate(motion, body, ground=ground).mean_mm
     lowest = np.concatenate(
-        [skin(motion, body, part)[..., 2].min(axis=1) for part in batches(frames_of(motion))]
+        [
+            skin(motion, body, part)[..., 2].min(axis=1)
+            for part in batches(frames_of(motion), "heights")
+        ]
     )
     return physdiff_from(lowest, skate, ground)
 

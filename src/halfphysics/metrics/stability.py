@@ -87,7 +87,7 @@ def stability(motion: Any, body: Any, *, ground: float = 0.0) -> StabilityReport
     points = skin_points(body)
     parts = [
         stability_of(skin(motion, body, part), points, ground=ground)
-        for part in batches(len(motion))
+        for part in batches(len(motion), "stability")
     ]
     return report_of(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 

@@ -94,7 +94,7 @@ def penetrating_volume(
     grid = Grid(pitch, rot.to_matrix(rot.exp([0.0, 0.0, _TURN])))
     found = np.zeros((frames, 4))
     caps: _Caps | None = None
-    for part in batches(frames):
+    for part in batches(frames, "penetrating volume"):
         vertices = skin(motion, body, part)
         if caps is None:
             caps = _Caps.of(np.asarray(body.faces, dtype=np.int64), vertices.shape[1])

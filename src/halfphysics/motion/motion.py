@@ -16,6 +16,7 @@ from halfphysics.base.arrays import as_array
 from halfphysics.base.axes import axes_of, turned
 from halfphysics.base.copying import ReadOnly
 from halfphysics.base.in_notebook import InNotebook
+from halfphysics.base.progress import over
 from halfphysics.base.validation import frame_rate, number
 from halfphysics.errors import InputError
 from halfphysics.motion.adapted_hold import AdaptedHold, check_adaptation
@@ -272,7 +273,7 @@ class Motion(InNotebook, ReadOnly):
         z = number(z, "z", unit="m")
         percentile = number(percentile, "percentile", least=0.0, most=100.0)
         lowest = np.empty(len(self))
-        for start in range(0, len(self), _CHUNK):
+        for start in over(range(0, len(self), _CHUNK), "heights", "frame", size=_CHUNK):
             frames = range(start, min(start + _CHUNK, len(self)))
             lowest[start : frames.stop] = body.vertices(self, frames=frames)[..., 2].min(axis=1)
         up = np.array([0.0, 0.0, z - float(np.percentile(lowest, percentile))])

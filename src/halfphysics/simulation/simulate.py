@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import TYPE_CHECKING, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics.base import progress as bars
 from halfphysics.motion.joint_groups import stiffness_of_motions, stiffness_over_time
 from halfphysics.simulation.argument_checks import (
     checked_people,
@@ -55,7 +56,7 @@ def simulate(
             (T, 55). Row t is that of the way to frame t, as if `Simulator.set_stiffness` were
             called before that step. None: `Settings.stiffness`, times `Motion.stiffness_scale`.
         allow_mismatch: Accept a body of another gender or model than the motion says.
-        progress: Show a progress bar on stderr where it is a terminal.
+        progress: Show progress bars (`halfphysics.progress`).
 
     Returns:
         `Result`: the corrected motions, the objects' motions, contacts, clearance. Where
@@ -67,8 +68,9 @@ def simulate(
     """
     motions, bodies = checked_people(motion, body, allow_mismatch=allow_mismatch)
     firmness = stiffness_over_time(stiffness, len(motions[0]), len(motions))
-    world = build_world(bodies, checked_scene(scene), checked_settings(settings))
-    return follow(world, motions, firmness, progress=progress)
+    with bars.asked(progress):
+        world = build_world(bodies, checked_scene(scene), checked_settings(settings))
+        return follow(world, motions, firmness)
 
 
 def follow(
@@ -89,7 +91,8 @@ def follow(
         stiffness: Firmness (T, people, 55) of every frame; None: by the settings and motions.
         progress: As of `simulate`.
     """
-    with progress_bar(len(motions[0]) - 1, progress) as bar:
+    count = len(motions[0]) - 1
+    with bars.asked(progress), bars.bar(count, "simulating", "frame") as bar:
         other_engine = world.settings.drive.follow  # a baseline that another engine runs
         if other_engine is not None:
             return cast("Result", other_engine(world, motions, stiffness, bar.update))
@@ -101,25 +104,3 @@ def follow(
     result = recorded_result(world, motions, run)
     warn_of_lost_time(result, stacklevel=3)
     return result
-
-
-class NoBar:
-    """A progress bar that does not show."""
-
-    def __enter__(self) -> NoBar:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        pass
-
-    def update(self, count: int) -> None:
-        """Nothing to draw."""
-
-
-def progress_bar(count: int, show: bool, unit: str = "frame") -> Any:
-    """A progress bar on stderr where that is a terminal, after two seconds, if it is to show."""
-    if not show:
-        return NoBar()
-    from tqdm import tqdm
-
-    return tqdm(total=count, unit=unit, delay=2.0, disable=None, leave=False)

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from halfphysics.base import progress as bars
 from halfphysics.errors import InputError
 from halfphysics.render.result_meshes import Drawing
 from halfphysics.viewer.arrange import Arrangement, arrange
@@ -52,7 +53,7 @@ def save_page(
         max_fps: Most frames played per second; a faster result keeps every n-th frame.
         support: Also shows what holds the people up (`PersonResult.support`): pressure on the
             skin, forces, centres of pressure and of mass. Bodies are drawn as glass.
-        progress: Shows a progress bar on stderr.
+        progress: Show a progress bar (`halfphysics.progress`).
 
     Returns:
         The path written.
@@ -80,7 +81,8 @@ def save_page(
         if support:
             for stage in stages:
                 show_support(server, stage)
-        bar = _bar(len(frames), progress)
+        with bars.asked(progress):
+            bar = bars.bar(len(frames), "page", "frame")
         # Without this the server's thread wakes for every bone and frame, with no browser to serve.
         with server.atomic():
             for frame in frames:
@@ -95,12 +97,6 @@ def save_page(
         page = page.replace("</head>", f"{key}</head>", 1)
         file.write(page.encode("utf-8"))
     return Path(path)
-
-
-def _bar(total: int, progress: bool) -> Any:
-    from tqdm import tqdm
-
-    return tqdm(total=total, desc="page", unit="frame", disable=not progress)
 
 
 @contextlib.contextmanager

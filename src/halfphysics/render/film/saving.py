@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base import progress as bars
 from halfphysics.base.validation import file_path, is_whole, shown
 from halfphysics.errors import InputError
 from halfphysics.render.film import encoding
@@ -54,7 +55,7 @@ def save_film(
         path: The file; whole or not at all.
         options: Cameras, size, speed etc.; None: `FilmOptions()`.
         threads: Worker threads; the film does not depend on it. None: one per core.
-        progress: Shows a progress bar on stderr.
+        progress: Show a progress bar (`halfphysics.progress`).
 
     Returns:
         The path written.
@@ -80,7 +81,8 @@ def save_film(
     with atomic_path(path) as temporary:  # refuse an impossible path before rendering
         frames = [times * result.fps for result in shown_results]
         shoot = Shoot(shown_results, options, frames, rate=rate, times=times.tolist())
-        pictures = _with_bar(shoot, count, progress)
+        with bars.asked(progress):
+            pictures = _with_bar(shoot, count, bars.bar(len(shoot), "film", "frame"))
         if suffix == ".gif":
             from halfphysics.render.viewpoint import spread
 
@@ -215,10 +217,7 @@ def _checked_frame(frame: int, total: int) -> int:
     return int(frame) % total
 
 
-def _with_bar(shoot: Shoot, threads: int, progress: bool) -> Iterator[Picture]:
-    from tqdm import tqdm
-
-    bar = tqdm(total=len(shoot), desc="film", unit="frame", disable=not progress)
+def _with_bar(shoot: Shoot, threads: int, bar: Any) -> Iterator[Picture]:
     with bar:
         for picture in shoot.pictures(threads):
             yield picture

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, TypeAlias, cast
 
@@ -9,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base import progress as bars
+from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.motion.joint_groups import stiffness_of_motions, stiffness_over_time
 from halfphysics.simulation.argument_checks import (
     checked_people,
@@ -28,6 +30,8 @@ if TYPE_CHECKING:
     from halfphysics.scene.scene import Scene
     from halfphysics.settings import Settings
     from halfphysics.simulation.world import World
+
+logger = logging.getLogger(__name__)
 
 Array = NDArray[np.float64]
 #: lambda: one for all joints, by joint group or joint, or over time.
@@ -68,8 +72,10 @@ def simulate(
     """
     motions, bodies = checked_people(motion, body, allow_mismatch=allow_mismatch)
     firmness = stiffness_over_time(stiffness, len(motions[0]), len(motions))
+    clock = Stopwatch(logger)
     with bars.asked(progress):
         world = build_world(bodies, checked_scene(scene), checked_settings(settings))
+        clock.done("built the world of %d people and %d items", len(bodies), len(world.names))
         return follow(world, motions, firmness)
 
 
@@ -100,7 +106,10 @@ def follow(
             stiffness = stiffness_of_motions(world.stiffness, motions)
         world.reset([motion[0] for motion in motions])
         warn_of_start(world, motions, world.stepper.inside())
+        clock = Stopwatch(logger)
         run = record(world, motions, stiffness, bar.update)
+    clock.done("simulated %d frames of %d people", count, len(motions), count=count)
+    logger.debug("%r", world.settings)
     result = recorded_result(world, motions, run)
     warn_of_lost_time(result, stacklevel=3)
     return result

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base import progress as bars
 from halfphysics.base.machine import cores
+from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.base.validation import is_whole, shown
 from halfphysics.errors import HalfPhysicsError, InputError
 from halfphysics.motion.joint_groups import stiffness_of_motions, stiffness_over_time
@@ -33,6 +35,8 @@ if TYPE_CHECKING:
     from halfphysics.simulation.sequence import Sequence as Story
     from halfphysics.simulation.simulate import Firmness
     from halfphysics.simulation.world import World
+
+logger = logging.getLogger(__name__)
 
 Array = NDArray[np.float64]
 
@@ -120,12 +124,14 @@ def simulate_many(
     if not todo:
         return []
     count = min(cores() if threads is None else int(threads), len(todo))
+    clock = Stopwatch(logger)
     with bars.asked(progress), bars.bar(len(todo), "simulating", "job") as bar:
         run = _Run(todo, count, allow_mismatch, bar.update)
         try:
             run.all(stop=errors == "raise")
         finally:
             run.close()
+    clock.done("simulated %d jobs in %d threads", len(todo), count, count=len(todo), unit="job")
     if errors == "raise" and run.failed:
         first = min(run.failed)
         raise _numbered(run.failed[first], first)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -13,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from halfphysics.base.arrays import scalar_of
 from halfphysics.base.in_notebook import InNotebook
 from halfphysics.base.short_repr import counted
+from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.errors import InputError
 from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.motion.pose import Pose
@@ -33,6 +35,8 @@ if TYPE_CHECKING:
     from halfphysics.scene.rays import Hit
     from halfphysics.scene.scene import Scene
     from halfphysics.settings import Settings
+
+logger = logging.getLogger(__name__)
 
 Array = NDArray[np.float64]
 
@@ -62,7 +66,9 @@ class Simulator(InNotebook):
         bodies = checked_bodies(body)
         scene, self.settings = checked_scene(scene), checked_settings(settings)
         self.dt = 1.0 / _positive("fps", fps)
+        clock = Stopwatch(logger)
         self.world = build_world(bodies, scene, self.settings)
+        clock.done("built the world of a simulator of %d items", len(self.world.names))
         self._axes: tuple[Array, ...] = tuple(np.eye(3) for _ in bodies)
         self._started = False
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import html
+import logging
 import math
 import os
 from collections.abc import Iterator, Sequence
@@ -11,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from halfphysics.base import progress as bars
+from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.errors import InputError
 from halfphysics.render.result_meshes import Drawing
 from halfphysics.viewer.arrange import Arrangement, arrange
@@ -22,6 +24,8 @@ from halfphysics.viewer.stage import Stage, aim, light
 
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
+
+logger = logging.getLogger(__name__)
 
 #: A page plays at most this many frames per second; frames of faster results are skipped.
 MAX_FPS = 30.0
@@ -74,6 +78,7 @@ def save_page(
     drawings, fps = [Drawing(one) for one in results], results[0].fps
     step = max(1, math.ceil(fps / max_fps - 1e-9))
     frames = range(0, max(map(len, drawings)), step)
+    clock = Stopwatch(logger)
     with atomic_write(path) as file, _quiet_server() as server:
         recorder = server.get_scene_serializer()
         row = arrange(drawings, _VIEW)
@@ -96,6 +101,7 @@ def save_page(
         key = head(title, drawings, row, contacts, support, notes)
         page = page.replace("</head>", f"{key}</head>", 1)
         file.write(page.encode("utf-8"))
+    clock.done("wrote the page %s, %d frames", path, len(frames), count=len(frames))
     return Path(path)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import os
 from collections.abc import Iterator, Sequence
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import progress as bars
+from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.base.validation import file_path, is_whole, shown
 from halfphysics.errors import InputError
 from halfphysics.render.film import encoding
@@ -21,6 +23,8 @@ from halfphysics.render.film.options import MAX_FPS, FilmOptions
 
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
+
+logger = logging.getLogger(__name__)
 
 Array = NDArray[np.float64]
 Picture = NDArray[np.uint8]
@@ -78,6 +82,7 @@ def save_film(
     rate = film_rate(shown_results, options, suffix)
     encoding.check_film(suffix, options.pixels(len(shown_results)), rate)
     times = film_times(shown_results, options, rate)
+    clock = Stopwatch(logger)
     with atomic_path(path) as temporary:  # refuse an impossible path before rendering
         frames = [times * result.fps for result in shown_results]
         shoot = Shoot(shown_results, options, frames, rate=rate, times=times.tolist())
@@ -93,6 +98,7 @@ def save_film(
             with encoding.encoder(temporary, suffix, shoot.size, rate) as write:
                 for picture in pictures:
                     write(picture)
+    clock.done("filmed %s, %d pictures", path, len(times), count=len(times), unit="picture")
     return path
 
 

@@ -15,7 +15,7 @@ HEAVY = ("mujoco", "trimesh", "viser", "scipy", "tyro", "yaml", "PIL")
 NAMES = """
 JOINT_NAMES Body Box Capsule Cylinder HalfPhysicsError HalfPhysicsWarning Mesh Motion Plane Pose
 Result Scene Sequence Settings Simulator Sphere __version__ attach baselines clips errors export
-adapt fix judge load_sequence metrics scenarios simulate simulate_many support
+adapt fix judge load_sequence metrics progress scenarios simulate simulate_many support
 view
 """
 
@@ -70,6 +70,7 @@ PARAMETERS = {
     "Cylinder": "radius length",
     "Settings": SETTINGS,
     "Settings.paper": "stiffness ** changes",
+    "progress": "show",
     "judge": "paths * truth scene body jobs progress",
     "fix": "motion scene * body smooth level plant settings",
     "simulate": "motion scene * body settings stiffness allow_mismatch progress",

@@ -91,6 +91,7 @@ SUBFOLDERS = {
 
 #: Imports that run back, each with its reason. All are late or for types: none runs on import.
 BACK = {
+    ("base.in_notebook", "render.notebook"): "objects show themselves in notebooks",
     ("motion.motion", "formats"): "Motion.load and Motion.save read and write every format",
     ("motion.motion", "formats.format"): "the type of what Motion.load takes beside the file",
     ("motion.motion", "body.body"): "the type of the body that Motion.grounded puts on the floor",

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from halfphysics import baselines, errors, metrics, scenarios, support
     from halfphysics.adaptation.adapt import adapt
+    from halfphysics.base.progress import progress
     from halfphysics.body.body import Body
     from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning
     from halfphysics.formats import load_sequence
@@ -67,6 +68,7 @@ __all__ = [
     "judge",
     "load_sequence",
     "metrics",
+    "progress",
     "scenarios",
     "simulate",
     "simulate_many",
@@ -105,6 +107,7 @@ _FROM: dict[str, str | None] = {
     "fix": "repair.repair",
     "judge": "judging.judge",
     "load_sequence": "formats.registry",
+    "progress": "base.progress",
     "simulate": "simulation.simulate",
     "simulate_many": "simulation.simulate_many",
     "view": "viewer.view",

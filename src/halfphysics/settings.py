@@ -9,6 +9,7 @@ from enum import IntEnum
 from typing import Any, Literal
 
 from halfphysics.base.field_checks import FieldChecks
+from halfphysics.base.short_repr import changed_repr
 from halfphysics.body.strength import checked_strength
 from halfphysics.errors import InputError
 from halfphysics.motion.joint_groups import joint_values
@@ -114,8 +115,11 @@ class Settings:
     record: Literal["frames", "substeps"] = "frames"
     """Keep the pose at every frame, or at every committed substep too."""
 
+    __repr__ = changed_repr
+
     def __post_init__(self) -> None:
         check = FieldChecks(self)
+        check.plain()
         if self.substeps is not None:
             check.count("substeps")
         if isinstance(self.stiffness, Mapping):

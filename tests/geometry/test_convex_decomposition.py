@@ -8,6 +8,7 @@ import sys
 import numpy as np
 import pytest
 
+from halfphysics.base import progress
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.geometry import convex_decomposition as decomposition
 from halfphysics.geometry import piece_cache
@@ -15,6 +16,7 @@ from halfphysics.geometry.convex_decomposition import Cut, content_key, decompos
 from halfphysics.geometry.shapes import Box, Mesh, Plane, Sphere
 from halfphysics.scene.scene import Scene
 from halfphysics.simulation.simulator import Simulator
+from support.terminals import terminal
 
 trimesh = pytest.importorskip("trimesh")
 
@@ -172,14 +174,17 @@ def test_the_cache_keeps_what_was_used_last(tmp_path, monkeypatch):
     assert sorted(path.stem for path in (tmp_path / "pieces").iterdir()) == ["a", "b", "d"]
 
 
-def test_a_line_says_that_a_mesh_is_cut(capfd, monkeypatch):
+def test_a_bar_says_that_a_mesh_is_cut(monkeypatch):
+    """At a terminal, unasked: it may take minutes. A moment's work says nothing."""
     pytest.importorskip("coacd")
     monkeypatch.setenv("HALFPHYSICS_CACHE", "off")
+    said = terminal(monkeypatch)
     decompose(l_shape(), Cut(threshold=0.05))
-    assert capfd.readouterr().err == ""  # a moment's work
-    monkeypatch.setattr(decomposition, "_SAID", 1)
+    assert said.getvalue() == ""
+    monkeypatch.setattr(progress, "DELAY", 0.0)
+    monkeypatch.setattr(progress, "_EVERY", 0.0)
     decompose(l_shape(), Cut(threshold=0.05))
-    assert "cutting a mesh into convex pieces: 100%" in capfd.readouterr().err
+    assert "cutting a mesh into convex pieces: 100%" in said.getvalue()
 
 
 @pytest.mark.slow

@@ -25,6 +25,7 @@ COVERED_BY = {
     "halfphysics/base/document_*.py": "scene/test_scene_file.py sweep/plan/test_plan_file.py",
     "halfphysics/base/field_checks.py": "base/test_validation.py sweep/plan/test_plan.py",
     "halfphysics/base/foreign_json.py": "formats/video/test_video.py formats/test_plain.py",
+    "halfphysics/base/in_notebook.py": "render/test_notebook.py",
     "halfphysics/base/npy.py": "base/test_npz.py formats/datasets/test_arctic.py",
     "halfphysics/base/pickle_budget.py": "base/test_restricted_pickle.py formats/test_hostile.py",
     "halfphysics/base/pickle_placeholders.py": "base/test_restricted_pickle.py",

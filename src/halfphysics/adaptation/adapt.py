@@ -23,6 +23,7 @@ from halfphysics.adaptation.parts import Seat, told
 from halfphysics.adaptation.recorded_holds import RecordedHold, recorded_holds
 from halfphysics.adaptation.thing import Thing
 from halfphysics.adaptation.timing import Timing
+from halfphysics.base.short_repr import short_repr
 from halfphysics.errors import InputError
 from halfphysics.motion.adapted_hold import AdaptedHold
 from halfphysics.motion.skeleton import N_JOINTS
@@ -53,6 +54,8 @@ class Adaptation:
     """
 
     motion: Motion
+
+    __repr__ = short_repr
 
     @property
     def recorded(self) -> Motion:

@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
+from halfphysics.base.arrays import scalar_of
 from halfphysics.base.validation import is_whole, real, within
 from halfphysics.errors import InputError
 
@@ -14,6 +17,14 @@ class FieldChecks:
 
     def __init__(self, owner: object) -> None:
         self._owner = owner
+
+    def plain(self) -> None:
+        """Replace numbers of numpy and of tensors, which files cannot hold, by Python's own."""
+        for name, value in list(vars(self._owner).items()):
+            if isinstance(value, np.generic):
+                object.__setattr__(self._owner, name, value.item())
+            elif not isinstance(value, int | float | str | None):
+                object.__setattr__(self._owner, name, scalar_of(value))
 
     def holds(self, name: str, ok: bool, expected: str) -> None:
         """Raise unless `ok`."""

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.arrays import as_array, scalar_of
 from halfphysics.errors import FileError, InputError
 
 #: Errors of the system for a path at which there is no file.
@@ -52,10 +53,11 @@ def real(value: object, *, plain: bool = False) -> float | None:
     """`value` as a float: inf if it is too large for one, None if it is not a real number.
 
     A bool is not a number. With `plain` only Python's own int and float are, which every file
-    format can hold; otherwise also numpy's numbers and arrays of no dimension.
+    format can hold; otherwise also numpy's numbers and arrays and tensors of no
+    dimension.
     """
-    if not plain and isinstance(value, np.ndarray) and value.ndim == 0:
-        value = value.item()
+    if not plain:
+        value = scalar_of(value)
     if isinstance(value, bool | np.bool_) or not isinstance(value, numbers.Real):
         return None
     if plain and not isinstance(value, int | float):
@@ -93,7 +95,7 @@ def vector(value: object, what: str, size: int = 3, *, unit: str = "") -> NDArra
     """`value` as a read-only float64 array (size,) of finite numbers."""
     wanted = f"{size} finite numbers" + (f" [{unit}]" if unit else "")
     try:
-        raw = np.asarray(value)
+        raw = as_array(value)
         ok = raw.dtype.kind in "fiu" and raw.shape == (size,)
         array = np.array(raw, dtype=np.float64) if ok else None
     except (TypeError, ValueError):
@@ -125,7 +127,7 @@ def quaternion(value: object, what: str) -> NDArray[np.float64]:
 def frame_rate(value: object, example: str = "30.0") -> float:
     """`value` as frames per second."""
     try:
-        fps = float(value)  # type: ignore[arg-type]
+        fps = float(scalar_of(value))
     except (TypeError, ValueError, OverflowError):
         fps = np.nan
     if not (np.isfinite(fps) and fps > 0.0):

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from halfphysics.base.field_checks import FieldChecks
+from halfphysics.base.short_repr import changed_repr
 from halfphysics.errors import InputError
 from halfphysics.settings import Drive, PosesSet, Settings
 
@@ -38,6 +39,8 @@ def _refuse(settings: Settings, reasons: Mapping[str, str]) -> None:
 class _Baseline(Settings):
     """Settings that follow a motion as it is: `halfphysics.settings.AS_IT_IS`."""
 
+    __repr__ = changed_repr
+
     weight: bool = False
     blocked: Literal["wait", "continue"] = "continue"
     root: Literal["stay", "recover"] = "stay"
@@ -53,6 +56,8 @@ class _Baseline(Settings):
 @dataclass(frozen=True, kw_only=True)
 class Ablation(_Baseline):
     """Half-physics with forces on the person that the paper leaves out."""
+
+    __repr__ = changed_repr
 
     internal_forces: bool = False
     """Coriolis, centrifugal and gyroscopic forces act on the person."""
@@ -75,6 +80,8 @@ class Ablation(_Baseline):
 @dataclass(frozen=True, kw_only=True)
 class Torque(Ablation):
     """PD torques of joints in place of velocities; `stiffness` and `drive_time` do not apply."""
+
+    __repr__ = changed_repr
 
     frequency: float = 100.0
     """Natural frequency of the joints' PD control [rad/s]."""
@@ -101,6 +108,8 @@ class Torque(Ablation):
 class _PosesSet(_Baseline):
     """The person's pose is set: contacts push objects, and never the person."""
 
+    __repr__ = changed_repr
+
     _POSES: ClassVar[PosesSet]
 
     def __post_init__(self) -> None:
@@ -122,12 +131,16 @@ class _PosesSet(_Baseline):
 class Kinematic(_PosesSet):
     """The pose is set once a frame, and objects do not notice the person."""
 
+    __repr__ = changed_repr
+
     _POSES = PosesSet.UNNOTICED
 
 
 @dataclass(frozen=True, kw_only=True)
 class Positions(_PosesSet):
     """The pose is set at the start of every frame; objects answer."""
+
+    __repr__ = changed_repr
 
     _POSES = PosesSet.EVERY_FRAME
 
@@ -136,12 +149,16 @@ class Positions(_PosesSet):
 class Interpolated(_PosesSet):
     """The pose is set in every substep, interpolated within the frame; objects answer."""
 
+    __repr__ = changed_repr
+
     _POSES = PosesSet.EVERY_SUBSTEP
 
 
 @dataclass(frozen=True, kw_only=True)
 class _InMujoco(_Baseline):
     """People and scene in plain MuJoCo, over whole motions."""
+
+    __repr__ = changed_repr
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -160,10 +177,14 @@ class _InMujoco(_Baseline):
 class EngineKinematic(_InMujoco):
     """The person's parts are mocap bodies of MuJoCo."""
 
+    __repr__ = changed_repr
+
 
 @dataclass(frozen=True, kw_only=True)
 class EngineVelocity(_InMujoco):
     """Algorithm 1 of the paper in MuJoCo: the peer of `halfphysics bench`."""
+
+    __repr__ = changed_repr
 
 
 def no_stiffness(settings: Settings) -> InputError:

@@ -9,11 +9,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics.base.arrays import array_of, as_array, scalar_of
+from halfphysics.base.copying import ReadOnly
+from halfphysics.base.in_notebook import InNotebook
 from halfphysics.body import skinning
 from halfphysics.body.shape_space import ShapeSpace, Source
 from halfphysics.errors import InputError
@@ -35,8 +38,8 @@ _MASSES = (1.0, 500.0)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Body:
-    """A person's shape: skin, joints and skinning. Immutable: its arrays are read-only.
+class Body(InNotebook, ReadOnly):
+    """A person's shape: skin, joints and skinning. ReadOnly: its arrays are read-only.
 
     The rest frame is SMPL-X's: y up, z forward, x to the body's left. Files of SMPL-H and SMPL
     are fitted into the 55 SMPL-X joints: a joint that the file does not have is at its parent and
@@ -265,7 +268,7 @@ class Body:
             rotations,
             positions,
             quaternions,
-            indices=None if indices is None else np.asarray(indices),
+            indices=None if indices is None else as_array(indices),
             threads=threads,
         )
         return out[0] if single else out
@@ -354,11 +357,17 @@ class Body:
         with atomic_write(path) as handle:
             handle.write(text.encode("utf-8"))
 
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        # The default body is one object in every process: it is named, not sent.
+        if _mean.cache_info().currsize and self is _mean():
+            return Body.default, ()
+        return super().__reduce_ex__(protocol)
+
     def _state(self, motion: Motion | Pose) -> tuple[Array, Array, bool]:
         """Rotations (T, 55, 3), pelvis positions (T, 3), and whether it was a single pose."""
         try:
-            rotations = np.asarray(motion.rotations, dtype=np.float64)
-            translation = np.asarray(motion.translation, dtype=np.float64)
+            rotations = np.asarray(array_of(motion.rotations), dtype=np.float64)
+            translation = np.asarray(array_of(motion.translation), dtype=np.float64)
         except AttributeError:
             raise InputError(
                 f"motion: found {type(motion).__name__}, expected a Motion or a Pose"
@@ -372,7 +381,7 @@ class Body:
                 f"motion: found rotations {rotations.shape} and translation {translation.shape}, "
                 f"expected (T, {N_JOINTS}, 3) and (T, 3), or those of one frame"
             )
-        axes = np.asarray(getattr(motion, "axes", np.eye(3)), dtype=np.float64)
+        axes = np.asarray(array_of(getattr(motion, "axes", np.eye(3))), dtype=np.float64)
         root = translation + axes @ self.rest_joints[0]
         return rotations.reshape(-1, N_JOINTS, 3), root.reshape(-1, 3), single
 
@@ -409,7 +418,7 @@ def _within(value: float | None, name: str, limits: tuple[float, float], unit: s
         return None
     low, high = limits
     try:
-        number = float(value)
+        number = float(scalar_of(value))
     except (TypeError, ValueError):
         raise InputError(f"{name}: found {value!r}, expected {unit}") from None
     if not low <= number <= high:
@@ -422,6 +431,7 @@ def _pick(
     rotations: Array, root: Array, frames: int | slice | Sequence[int] | NDArray[np.integer]
 ) -> tuple[Array, Array, bool]:
     try:
+        frames = array_of(frames)
         single = not isinstance(frames, slice) and np.ndim(frames) == 0
         key = [operator.index(frames)] if single else frames  # type: ignore[arg-type]
         rotations, root = rotations[key], root[key]

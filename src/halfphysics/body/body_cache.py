@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import logging
 import os
 import platform
 import warnings
@@ -24,6 +25,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base.cache_folder import cache_folder
 from halfphysics.base.npz import Npz, write_npz
+from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.body.rigid_parts import Part, Variant, build_variant
 from halfphysics.body.skin_hulls import SkinHulls
 from halfphysics.errors import FileError
@@ -31,6 +33,8 @@ from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
+
+logger = logging.getLogger(__name__)
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -50,7 +54,9 @@ def variant_of(body: Body) -> Variant:
     """
     variant = read_variant(body)
     if variant is not None:
+        logger.debug("the rigid parts of %r were kept", body)
         return variant
+    clock = Stopwatch(logger)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         variant = build_variant(body)
@@ -58,6 +64,7 @@ def variant_of(body: Body) -> Variant:
         warnings.warn(warning.message, warning.category, stacklevel=4)
     if not caught:
         write_variant(body, variant)
+    clock.done("made the rigid parts of %r", body)
     return variant
 
 
@@ -67,9 +74,11 @@ def corners_of(body: Body) -> SkinHulls:
     if corners is None:
         from halfphysics.body.skin_corners import without_inner  # imports scipy
 
+        clock = Stopwatch(logger)
         hulls = body.skin_hulls
         corners = without_inner(hulls, body.weights, body.rest_vertices, body.posedirs)
         write_corners(body, corners)
+        clock.done("made the hulls of the skin of %r", body)
     return corners
 
 

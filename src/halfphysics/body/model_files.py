@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,8 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base import restricted_pickle
+from halfphysics.base.arrays import array_of
 from halfphysics.base.digests import sha256_of
 from halfphysics.base.npz_objects import NpzObjects
+from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.body.model_paths import GENDERS, find_model, gender_of
 from halfphysics.body.shape_space import ShapeSpace, Source
 from halfphysics.errors import FileError, InputError
@@ -25,6 +28,8 @@ from halfphysics.motion.skeleton import (
     SMPL_JOINTS,
     SMPLH_JOINTS,
 )
+
+logger = logging.getLogger(__name__)
 
 Array = NDArray[np.float64]
 
@@ -52,6 +57,7 @@ def read_model(
         raise InputError(f"gender: found {gender!r}, expected one of {', '.join(GENDERS)}")
     if model is not None and model not in _LAYOUTS:
         raise InputError(f"model: found {model!r}, expected one of {', '.join(_LAYOUTS)}")
+    clock = Stopwatch(logger)
     file = find_model(path, gender, model)
     named = gender_of(file)
     if gender is not None and named is not None and gender != named:
@@ -69,7 +75,7 @@ def read_model(
     if v_template is not None:
         template, template_source = _template(v_template, count)
     _check_size(template, template_source.path if template_source else file)
-    return ShapeSpace(
+    space = ShapeSpace(
         model=found,
         gender=gender or named or fields.gender() or "unknown",
         template=_locked(template),
@@ -85,6 +91,8 @@ def read_model(
         source=_source(file),
         template_source=template_source,
     )
+    clock.done("read the body model %s", file)
+    return space
 
 
 def _model_of(fields: _Fields, weights: Array, model: str | None) -> str:
@@ -312,7 +320,7 @@ def _template(
         name = f"v_template: {path}"
         template, source = mesh_vertices(path), _source(path)
     try:
-        vertices = np.array(template, dtype=np.float64)
+        vertices = np.array(array_of(template), dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise InputError(f"{name}: not an array of numbers ({error})") from None
     if vertices.shape != (count, 3):

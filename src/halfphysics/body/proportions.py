@@ -31,6 +31,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics.base.arrays import array_of
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES, N_JOINTS, PARENTS
 
@@ -105,7 +106,7 @@ def checked_bones(bones: ArrayLike, joints: Array) -> Array:
             that is not upright.
     """
     try:
-        given = np.array(bones, dtype=np.float64)
+        given = np.array(array_of(bones), dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise InputError(f"bones: not numbers ({error}), expected ({N_JOINTS}, 3)") from None
     if given.shape != (N_JOINTS, 3):

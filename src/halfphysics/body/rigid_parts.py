@@ -14,6 +14,8 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.copying import ReadOnly
+from halfphysics.base.short_repr import short_repr
 from halfphysics.body.mass import solid_parts
 from halfphysics.body.part_hull import PartHull, part_hull
 from halfphysics.errors import HalfPhysicsWarning, InputError
@@ -47,7 +49,7 @@ class Skin(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Part:
+class Part(ReadOnly):
     """One rigid part, in its joint's frame.
 
     Attributes:
@@ -68,9 +70,11 @@ class Part:
     com: Array
     inertia: Array
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Variant:
+class Variant(ReadOnly):
     """The rigid parts of one body shape.
 
     Attributes:
@@ -84,6 +88,8 @@ class Variant:
     joint_offsets: Array
     volume: float
     mass: float
+
+    __repr__ = short_repr
 
     @property
     def standing_height(self) -> float:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics.base.arrays import array_of
 from halfphysics.errors import HalfPhysicsWarning, InputError
 
 Array = NDArray[np.float64]
@@ -75,7 +76,7 @@ class ShapeSpace:
         """
         count = self.shapedirs.shape[2]
         try:
-            given = np.asarray([] if betas is None else betas, dtype=np.float64)
+            given = np.asarray([] if betas is None else array_of(betas), dtype=np.float64)
         except (TypeError, ValueError) as error:
             raise InputError(f"betas: not numbers ({error}), expected a vector (n,)") from None
         if given.ndim == 2 and len(given) == 1:

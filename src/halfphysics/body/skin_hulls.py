@@ -16,6 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics.base.copying import ReadOnly
+from halfphysics.base.short_repr import short_repr
 from halfphysics.body.skin_cut import cut_faces, parts_of_faces
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import N_JOINTS
@@ -31,7 +33,7 @@ _known: dict[bytes, SkinHulls] = {}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SkinHulls:
+class SkinHulls(ReadOnly):
     """Vertex sets of a skin, each of whole faces; every face in one of them. Read-only.
 
     Attributes:
@@ -44,6 +46,8 @@ class SkinHulls:
     part: Ints
     first: Ints
     vertex: NDArray[np.int32]
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for array in (self.part, self.first, self.vertex):

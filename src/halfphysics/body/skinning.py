@@ -19,6 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import halfphysics._native as _native
+from halfphysics.base.arrays import as_array
+from halfphysics.base.copying import ReadOnly
+from halfphysics.base.short_repr import short_repr
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import PARENTS
 
@@ -30,7 +33,7 @@ _NO_SUBSET = np.zeros(0, dtype=np.int32)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Skin:
+class Skin(ReadOnly):
     """The arrays of a shaped body for skinning, C-contiguous float64.
 
     Args:
@@ -45,6 +48,8 @@ class Skin:
     rest_joints: Array
     weights: Array
     posedirs: Array | None
+
+    __repr__ = short_repr
 
     @cached_property
     def sparse_weights(self) -> tuple[Ints, Ints, Array]:
@@ -129,7 +134,7 @@ def checked_indices(indices: Ints, count: int) -> Ints:
     Raises:
         InputError: Not whole numbers from 0 to `count` - 1.
     """
-    array = np.asarray(indices)
+    array = as_array(indices)
     if array.size == 0:
         return _NO_SUBSET
     if array.ndim != 1 or array.dtype.kind not in "iu":

@@ -15,6 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
+from halfphysics.base.progress import progress
 from halfphysics.base.suggestions import did_you_mean
 from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning, InputError
 
@@ -101,7 +102,8 @@ def _run(arguments: list[str]) -> int:
         command = parse(module.Command, f"halfphysics {name}", module.EXAMPLES, rest)
     if isinstance(command, Exit):
         return command.code
-    command.run()
+    with progress():  # at a terminal, whatever takes longer than two seconds
+        command.run()
     return 0
 
 

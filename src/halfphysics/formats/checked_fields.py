@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.arrays import as_array
 from halfphysics.base.validation import shown
 from halfphysics.errors import FileError
-from halfphysics.motion.smplx_names import to_numpy
 
 Array = NDArray[np.float64]
 
@@ -79,7 +79,7 @@ class Record:
                 self._check(key, found, dtype, shape, wanted)
         value = self.raw(key, wanted)
         try:
-            array = to_numpy(value)
+            array = as_array(value)
         except (TypeError, ValueError, MemoryError):
             raise self.error(key, f"found {shown(value)}, expected numbers {wanted}") from None
         self._check(key, array.shape, array.dtype, shape, wanted)
@@ -111,7 +111,7 @@ class Record:
 
     def number(self, key: str, *, above: float = -np.inf, below: float = np.inf) -> float:
         """A field as one number: an array of any shape with one element."""
-        array = to_numpy(self.raw(key, "(one number)"))
+        array = as_array(self.raw(key, "(one number)"))
         one = array.size == 1 and array.dtype.kind in "fiu"
         if not one or not above < float(array.reshape(-1)[0]) < below:
             range = f" between {above:g} and {below:g}" if np.isfinite([above, below]).any() else ""
@@ -120,7 +120,7 @@ class Record:
 
     def text(self, key: str) -> str:
         """A field as text, stored as str, bytes or an array of one of them."""
-        value = to_numpy(self.raw(key, "(text)"))
+        value = as_array(self.raw(key, "(text)"))
         item = value.reshape(-1)[0] if value.size == 1 else None
         if isinstance(item, bytes):
             item = item.decode("utf-8", "replace")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Sequence as Listing
 from dataclasses import replace
@@ -9,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TypeVar
 
 from halfphysics.base.reader_warnings import one_warning, warn
+from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import shown
 from halfphysics.errors import FileError, InputError
@@ -67,6 +69,8 @@ from halfphysics.motion.motion import Motion
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
     from halfphysics.simulation.sequence import Sequence
+
+logger = logging.getLogger(__name__)
 
 T = TypeVar("T")
 
@@ -162,6 +166,7 @@ def load_motion(
     floor: float | Literal["lowest"] | None = None,
 ) -> Motion:
     """Implements `Motion.load`; see there."""
+    clock = Stopwatch(logger)
     options = checked_options(fps, up, hands, model, gender, frames, clip, assets, floor=floor)
     source, format, options = _found(path, options)
     if format.people is not None:
@@ -177,7 +182,10 @@ def load_motion(
             people=lambda found: (found,),
             explained=lambda found: False,
         )
-    return motion if options.floor is None else motion_on_floor(motion, options.floor)
+    if options.floor is not None:
+        motion = motion_on_floor(motion, options.floor)
+    clock.done("loaded %s: %r", source.path, motion)
+    return motion
 
 
 def load_sequence(
@@ -228,6 +236,7 @@ def load_sequence(
     Raises:
         FileError, InputError: As `Motion.load`, and if an asset is missing.
     """
+    clock = Stopwatch(logger)
     if objects not in ("free", "replayed"):
         raise InputError(f"objects: found {shown(objects)}, expected 'free' or 'replayed'")
     options = checked_options(fps, up, hands, model, gender, frames, clip, assets, objects, floor)
@@ -245,11 +254,13 @@ def load_sequence(
             )
         if options.floor is not None:
             sequence = on_floor(sequence, options.floor)
-        if objects != "free" or not sequence.recorded:
-            return sequence
-        if ground and needs_ground(sequence):
-            add_ground(sequence, source.path, None if options.floor is None else 0.0)
-        return adapted(sequence, source.path, grip=grip) if adapt else sequence
+        if objects == "free" and sequence.recorded:
+            if ground and needs_ground(sequence):
+                add_ground(sequence, source.path, None if options.floor is None else 0.0)
+            if adapt:
+                sequence = adapted(sequence, source.path, grip=grip)
+    clock.done("loaded %s: %r", source.path, sequence)
+    return sequence
 
 
 def _is_result(source: Source) -> bool:

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.arrays import as_array
 from halfphysics.formats.checked_fields import Record
-from halfphysics.motion.smplx_names import to_numpy
 
 Array = NDArray[np.float64]
 
@@ -29,7 +29,7 @@ _ORTHOGONAL = 0.05
 def numbers_of(record: Record, key: str) -> Array:
     """A field of any shape, as finite numbers; raises `FileError`."""
     try:
-        axes = np.ndim(to_numpy(record.raw(key)))
+        axes = np.ndim(as_array(record.raw(key)))
     except (TypeError, ValueError):
         axes = 1  # `array` refuses it
     return record.array(key, *[None] * axes)

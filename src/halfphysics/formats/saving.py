@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Callable
 from collections.abc import Sequence as Listing
@@ -9,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from halfphysics.base.axes import axes_of
+from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.base.validation import body as checked_body
 from halfphysics.base.validation import file_path
 from halfphysics.errors import InputError
@@ -22,6 +24,8 @@ from halfphysics.motion.motion import Motion
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
+
+logger = logging.getLogger(__name__)
 
 __all__ = ["files_of", "losses", "save_motion", "save_people", "writer_of"]
 
@@ -41,9 +45,11 @@ def save_motion(
     body: Body | None = None,
 ) -> None:
     """Implements `Motion.save`; see there."""
+    clock = Stopwatch(logger)
     path = file_path(path)
     writer = writer_of(motion, path, format)
     _saving(writer)(_placed(motion, writer, body), path, body)
+    clock.done("saved %s, %d frames", path, len(motion))
 
 
 def save_people(

@@ -18,6 +18,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.arrays import as_array
 from halfphysics.base.reader_warnings import warn
 from halfphysics.body.model_files import read_hands
 from halfphysics.formats.checked_fields import Record
@@ -27,7 +28,7 @@ from halfphysics.formats.mean_shape import mean_shape
 from halfphysics.formats.rotation_forms import SIX, numbers_of, rows_of, vectors, widths
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import MODELS
-from halfphysics.motion.smplx_names import PARTS, to_numpy
+from halfphysics.motion.smplx_names import PARTS
 
 Array = NDArray[np.float64]
 
@@ -77,7 +78,7 @@ def stacked(frames: Listing[Mapping[str, Any]]) -> dict[str, Any]:
             fields[key] = values[0]
             continue
         try:
-            fields[key] = np.stack([to_numpy(value) for value in values])
+            fields[key] = np.stack([as_array(value) for value in values])
         except ValueError:
             fields[key] = np.zeros(0)  # of different shapes: named where it is needed
     return fields

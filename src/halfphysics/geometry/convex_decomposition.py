@@ -2,26 +2,30 @@
 
 A mesh is divided into its connected solids first (`mesh_parts`). A solid that is convex to within
 the tolerance is kept: a table of boxes needs no decomposition. The others go to coacd
-(`solid_cutting`). What takes longer than a moment says so in a line on standard error, and is kept
-on the disk for the next time (`piece_cache`).
+(`solid_cutting`). What takes longer than two seconds shows a progress bar at a terminal, and is
+kept on the disk for the next time (`piece_cache`).
 """
 
 from __future__ import annotations
 
 import hashlib
+import logging
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base import progress as bars
+from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.errors import InputError
 from halfphysics.geometry import piece_cache
 from halfphysics.geometry.mesh import Mesh
 from halfphysics.geometry.mesh_parts import bridged, signed_volume, solids_of
 from halfphysics.geometry.piece_error import PieceError, piece_error
 from halfphysics.geometry.solid_cutting import pieces_of
+
+logger = logging.getLogger(__name__)
 
 Array = NDArray[np.float64]
 
@@ -34,8 +38,6 @@ WARN_MM = 5.0
 _FULL, _SEAMS = 1.03, 0.02
 #: A change of how pieces are made or measured: kept ones of another number are not used.
 _VERSION = 7
-#: Cutting fewer triangles takes a moment, of which nothing is said.
-_SAID = 1_000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,10 +73,18 @@ def decompose(mesh: Mesh, cut: Cut) -> Decomposition:
     kept = piece_cache.read(key)
     if kept is not None and kept[1].shape == (3,):
         outside, inside, volume = kept[1].tolist()
+        logger.debug("%d pieces of a mesh were kept (%s)", len(kept[0]), key[:12])
         return Decomposition(
             pieces=tuple(kept[0]), outside_mm=outside, inside_mm=inside, volume_percent=volume
         )
+    clock = Stopwatch(logger)
     made = judged(mesh, _pieces(_outward(mesh), cut))
+    clock.done(
+        "cut a mesh of %d triangles into %d convex pieces, %.1f mm off at most",
+        len(mesh.faces),
+        len(made.pieces),
+        max(made.outside_mm, made.inside_mm),
+    )
     figures = np.array([made.outside_mm, made.inside_mm, made.volume_percent])
     piece_cache.write(key, list(made.pieces), figures)
     return made
@@ -117,7 +127,7 @@ def checked_pieces(what: str, given: Sequence[object]) -> list[Mesh]:
                 raise InputError(
                     f"{here}: found {type(one).__name__}, expected a convex Mesh or trimesh.Trimesh"
                 )
-            one = Mesh(np.asarray(vertices), np.asarray(faces))
+            one = Mesh(vertices, faces)
         try:
             hull = one.hull
         except InputError as error:
@@ -143,9 +153,10 @@ def _pieces(mesh: Mesh, cut: Cut) -> list[Mesh]:
     ragged = sum(hull is None for hull in hulls)
     each = -1 if most is None else 1 + (most - len(solids)) // max(ragged, 1)
     pieces: list[Mesh] = []
-    with _progress(
-        sum(len(s.faces) for s, hull in zip(solids, hulls, strict=True) if not hull)
-    ) as bar:
+    todo = sum(len(s.faces) for s, hull in zip(solids, hulls, strict=True) if not hull)
+    kept = piece_cache.folder()
+    what = "cutting a mesh into convex pieces" + (f" (kept in {kept})" if kept else "")
+    with bars.bar(todo, what, "triangle", unasked=True) as bar:
         for solid, hull in zip(solids, hulls, strict=True):
             if hull is not None:
                 pieces.append(hull)
@@ -153,19 +164,6 @@ def _pieces(mesh: Mesh, cut: Cut) -> list[Mesh]:
             pieces += pieces_of(solid, cut.threshold, each)
             bar.update(len(solid.faces))
     return pieces
-
-
-def _progress(triangles: int) -> Any:
-    """A line on standard error for what takes longer than a second."""
-    from tqdm import tqdm
-
-    kept = piece_cache.folder()
-    return tqdm(
-        total=triangles,
-        desc="cutting a mesh into convex pieces" + (f" (kept in {kept})" if kept else ""),
-        unit=" triangles",
-        disable=triangles < _SAID,
-    )
 
 
 def _hull_that_fits(solid: Mesh, threshold: float) -> Mesh | None:

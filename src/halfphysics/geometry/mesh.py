@@ -9,6 +9,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics.base.arrays import array_of, as_array
+from halfphysics.base.copying import ReadOnly
+from halfphysics.base.short_repr import counted, numbers
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.geometry import mesh_queries, mesh_solids
 from halfphysics.geometry.shape_base import Array, MassProperties, Shape, Triangles
@@ -28,7 +31,7 @@ class MeshSource:
 
 
 @dataclass(frozen=True, eq=False)
-class Mesh(Shape):
+class Mesh(ReadOnly, Shape):
     """Triangles: `vertices` (V, 3) [m], `faces` (F, 3), counter-clockwise seen from outside.
 
     Vertices at exactly one place are merged, unused ones and triangles without three different
@@ -40,8 +43,8 @@ class Mesh(Shape):
     faces: NDArray[np.int32]
 
     def __post_init__(self) -> None:
-        vertices = np.asarray(self.vertices, dtype=np.float64)
-        faces = np.asarray(self.faces)
+        vertices = np.asarray(array_of(self.vertices), dtype=np.float64)
+        faces = as_array(self.faces)
         if vertices.ndim != 2 or vertices.shape[1] != 3:
             raise InputError(f"Mesh: vertices: expected shape (V, 3), found {vertices.shape}")
         if faces.size == 0:
@@ -68,6 +71,13 @@ class Mesh(Shape):
         kept.setflags(write=False)
         object.__setattr__(self, "vertices", vertices)
         object.__setattr__(self, "faces", kept)
+
+    def __repr__(self) -> str:
+        return (
+            f"Mesh({counted(len(self.vertices), 'vertex', 'vertices')}, "
+            f"{counted(len(self.faces), 'triangle')}, "
+            f"{numbers(np.ptp(self.vertices, axis=0))} m)"
+        )
 
     @cached_property
     def closed(self) -> bool:
@@ -152,4 +162,4 @@ class Mesh(Shape):
 
     def depth(self, points: ArrayLike, *, threads: int = 1) -> Array:
         """How far points (n, 3) are inside [m], (n,): see `halfphysics.geometry.mesh_queries`."""
-        return self.query.depth(points, threads=threads)
+        return self.query.depth(as_array(points), threads=threads)

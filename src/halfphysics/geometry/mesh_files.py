@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from pathlib import Path
 from typing import Any
@@ -10,11 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.digests import sha256_of
+from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import file_path
 from halfphysics.errors import FileError, InputError, MissingDependencyError
 from halfphysics.geometry.mesh import Mesh, MeshSource
 from halfphysics.geometry.mesh_file_checks import FolderResolver, check_mesh_file
+
+logger = logging.getLogger(__name__)
 
 #: Suffixes of the formats that are read, and those that name materials and textures.
 FORMATS = ("obj", "glb", "gltf", "ply", "stl", "off")
@@ -52,6 +56,7 @@ def load_mesh(
     if not path.is_file():
         kind = "it is a folder" if path.is_dir() else "there is no such file"
         raise FileError(f"{path}: {kind}, expected a mesh{_similar(path)}")
+    clock = Stopwatch(logger)
     trimesh = _trimesh()
     suffix = path.suffix.lower().lstrip(".")
     if suffix not in FORMATS:
@@ -90,6 +95,7 @@ def load_mesh(
     except InputError as error:
         raise FileError(f"{path}: {error}") from None
     source = MeshSource(path=str(path.resolve()), sha256=digest, scale=scale, up=up)
+    clock.done("loaded %s: %d triangles", path, len(mesh.faces))
     return mesh, source
 
 

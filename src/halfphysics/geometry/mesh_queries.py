@@ -14,10 +14,12 @@ tests hold both equal.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics.base.arrays import array_of
 from halfphysics.errors import InputError
 
 Array = NDArray[np.float64]
@@ -25,7 +27,7 @@ Indices = NDArray[np.int32]
 
 
 def _points(points: ArrayLike) -> Array:
-    array = np.ascontiguousarray(points, dtype=np.float64)
+    array = np.ascontiguousarray(array_of(points), dtype=np.float64)
     if array.ndim != 2 or array.shape[1] != 3:
         raise InputError(f"points: expected shape (n, 3), found {array.shape}")
     if not np.isfinite(array).all():
@@ -147,6 +149,7 @@ class MeshQuery:
             raise InputError(
                 f"faces: expected indices 0 to {len(v) - 1}, found {f.min()} to {f.max()}"
             )
+        self._made_of = (v, f, closed)
         corners = v[np.unique(f)]
         #: Corners (2, 3) of the box around all triangles.
         self.bounds = np.stack([corners.min(axis=0), corners.max(axis=0)])
@@ -165,6 +168,10 @@ class MeshQuery:
             if len(split.loose)
             else None
         )
+
+    def __reduce__(self) -> Any:
+        # The trees are the core's: they are built again.
+        return _query, self._made_of
 
     def winding(self, points: ArrayLike, *, tolerance: float = 1e-9, threads: int = 1) -> Array:
         """Generalised winding numbers (n,) of points (n, 3), off by at most `tolerance`."""
@@ -206,3 +213,9 @@ class MeshQuery:
         within = near[self.inside(p[near], threads=threads)]
         depth[within] = self.closest(p[within], threads=threads)[0]
         return depth
+
+
+def _query(vertices: Array, faces: Indices, closed: bool) -> MeshQuery:
+    for array in (vertices, faces):
+        array.setflags(write=False)
+    return MeshQuery(vertices, faces, closed=closed)

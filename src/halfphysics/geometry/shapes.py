@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from halfphysics.base.arrays import array_of, as_array
 from halfphysics.base.validation import number, vector
 from halfphysics.errors import InputError
 from halfphysics.geometry.mesh import Mesh, MeshSource
@@ -71,7 +72,7 @@ class Plane(Shape):
 
     def depth(self, points: ArrayLike, *, threads: int = 1) -> Array:
         """Distance (n,) [m] of points (n, 3) under the plane, 0 above."""
-        result: Array = np.maximum(self.offset - np.asarray(points) @ np.asarray(self.normal), 0.0)
+        result: Array = np.maximum(self.offset - as_array(points) @ np.asarray(self.normal), 0.0)
         return result
 
 
@@ -111,7 +112,7 @@ class Box(Shape):
 
     def depth(self, points: ArrayLike, *, threads: int = 1) -> Array:
         """Distance (n,) [m] of points (n, 3) to the nearest side, 0 outside."""
-        gap = 0.5 * np.asarray(self.size) - np.abs(np.asarray(points))
+        gap = 0.5 * np.asarray(self.size) - np.abs(as_array(points))
         # Column by column: the smallest along so short an axis takes four times as long.
         result: Array = np.maximum(
             np.minimum(np.minimum(gap[..., 0], gap[..., 1]), gap[..., 2]), 0.0
@@ -144,7 +145,7 @@ class Sphere(Shape):
 
     def depth(self, points: ArrayLike, *, threads: int = 1) -> Array:
         """Distance (n,) [m] of points (n, 3) to the surface, 0 outside."""
-        result: Array = np.maximum(self.radius - np.linalg.norm(points, axis=-1), 0.0)
+        result: Array = np.maximum(self.radius - np.linalg.norm(as_array(points), axis=-1), 0.0)
         return result
 
 
@@ -185,7 +186,7 @@ class Capsule(_Round):
 
     def depth(self, points: ArrayLike, *, threads: int = 1) -> Array:
         """Distance (n,) [m] of points (n, 3) to the surface, 0 outside."""
-        p = np.array(points, dtype=np.float64)
+        p = np.array(array_of(points), dtype=np.float64)
         half = 0.5 * self.length
         p[..., 2] -= np.clip(p[..., 2], -half, half)
         result: Array = np.maximum(self.radius - np.linalg.norm(p, axis=-1), 0.0)
@@ -213,7 +214,7 @@ class Cylinder(_Round):
 
     def depth(self, points: ArrayLike, *, threads: int = 1) -> Array:
         """Distance (n,) [m] of points (n, 3) to the surface, 0 outside."""
-        p = np.asarray(points, dtype=np.float64)
+        p = np.asarray(array_of(points), dtype=np.float64)
         side = self.radius - np.hypot(p[..., 0], p[..., 1])
         return np.maximum(np.minimum(side, 0.5 * self.length - np.abs(p[..., 2])), 0.0)
 

@@ -10,6 +10,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from halfphysics.base import progress as bars
 from halfphysics.base.validation import file_path
 from halfphysics.base.workers import FULL, Death, Pool
 from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning, InputError
@@ -51,7 +52,7 @@ def judge(
         scene: Scene file; of a result, its own scene.
         body: Body model, or a folder of them; None: the default body, of a result its own.
         jobs: Processes to work in; None: one a core. The numbers do not depend on it.
-        progress: Show a progress bar.
+        progress: Show a progress bar (`halfphysics.progress`).
 
     Returns:
         One entry a person, in the order of files. A file that cannot be read has no `verdict`, and
@@ -84,10 +85,8 @@ def judged(tasks: Sequence[Task], reading: Reading, jobs: int, *, bar: bool) -> 
         jobs: Number of processes; 1: none but this one.
         bar: Whether to show a progress bar.
     """
-    from tqdm import tqdm
-
     found: dict[Task, list[Judged]] = {}
-    with tqdm(total=len(tasks), unit=" clips", leave=False, disable=not bar) as shown:
+    with bars.asked(bar), bars.bar(len(tasks), "judging", "clip") as shown:
         if min(jobs, len(tasks)) == 1:
             for task in tasks:
                 try:

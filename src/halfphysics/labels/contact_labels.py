@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import logging
+
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.base.validation import number
 from halfphysics.errors import InputError
 from halfphysics.labels.bounding_spheres import part_balls
@@ -16,6 +19,8 @@ from halfphysics.labels.tables import ContactLabels, PersonLabels
 from halfphysics.metrics.argument_checks import check_result
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.results.result import Result
+
+logger = logging.getLogger(__name__)
 
 #: A vertex touches an item up to this distance beyond the clearance [m].
 MARGIN = 1e-3
@@ -45,6 +50,7 @@ def contact_labels(
     most = result.settings.clearance + MARGIN
     if threshold is None:
         threshold = most
+    clock = Stopwatch(logger)
     threshold = number(threshold, "threshold", least=0.0, unit="m")
     if threshold > most * (1.0 + 1e-12):
         raise InputError(
@@ -62,6 +68,7 @@ def contact_labels(
         _person(result, i, items, near(person.body, person.motion, targets), kinds)
         for i, person in enumerate(result.people)
     ]
+    clock.done("labelled the contacts of %d frames", len(result), count=len(result))
     return ContactLabels(
         threshold_m=threshold,
         reach=reach,

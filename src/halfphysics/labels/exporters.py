@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.arrays import as_array
 from halfphysics.base.validation import number
 from halfphysics.errors import InputError
 from halfphysics.labels.tables import LEFT_FOOT, LEFT_HAND, RIGHT_FOOT, RIGHT_HAND, ContactLabels
@@ -155,7 +156,7 @@ def arctic(
 def _hand(hands: Mapping[str, ArrayLike], side: str, count: int) -> NDArray[np.intp]:
     if side not in hands:
         raise InputError(f"hands: found {sorted(hands)}, expected 'left' and 'right'")
-    vertices = np.asarray(hands[side])
+    vertices = as_array(hands[side])
     ok = vertices.ndim == 1 and vertices.dtype.kind in "iu" and len(vertices) > 0
     if not ok or vertices.min() < 0 or vertices.max() >= count:
         raise InputError(

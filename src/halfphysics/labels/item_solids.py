@@ -10,12 +10,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.copying import ReadOnly
+from halfphysics.base.short_repr import short_repr
 from halfphysics.errors import InputError
 from halfphysics.geometry.shape_base import Shape
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
@@ -64,7 +66,7 @@ class Solid:
 
 
 @dataclass(frozen=True, eq=False)
-class ItemSolids:
+class ItemSolids(ReadOnly):
     """A static, an object or a link: its collision geometry and its poses.
 
     Attributes:
@@ -76,12 +78,16 @@ class ItemSolids:
         parts: Parts of a person that collide with it (55,): all but those the scene ignores.
     """
 
+    _REBUILT: ClassVar[frozenset[str]] = frozenset({"native"})
+
     name: str
     solids: tuple[Solid, ...]
     position: Array
     turn: Array
     stands: bool
     parts: NDArray[np.bool_]
+
+    __repr__ = short_repr
 
     @property
     def still(self) -> bool:

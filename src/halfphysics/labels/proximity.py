@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.progress import over
+from halfphysics.base.short_repr import short_repr
 from halfphysics.body import skinning
 from halfphysics.labels.bounding_spheres import PartBalls, part_balls
 from halfphysics.labels.item_solids import ItemSolids
@@ -46,6 +48,8 @@ class Near:
     distance: Array
     nearest: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
     point: Array = field(default_factory=lambda: np.zeros((0, 3)))
+
+    __repr__ = short_repr
 
     def within(self, threshold: float) -> Near:
         """The rows with at most a distance [m]."""
@@ -103,7 +107,7 @@ def near(body: Body, motion: Motion, targets: Sequence[Target]) -> list[tuple[Ne
     busy = np.flatnonzero(wanted.any(axis=1))
     some = _Some.of(body, balls, wanted.any(axis=0))
     found: list[tuple[list[Near], list[Near]]] = [([], []) for _ in targets]
-    for first in range(0, len(busy), _CHUNK):
+    for first in over(range(0, len(busy), _CHUNK), "labels of contact", "frame", size=_CHUNK):
         frames = busy[first : first + _CHUNK]
         now = motion.rotations[frames], positions[frames], quaternions[frames]
         centres, radii = balls.clusters.at(*now, wanted[frames][:, balls.of])

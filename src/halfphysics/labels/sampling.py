@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.copying import ReadOnly
+from halfphysics.base.short_repr import short_repr
 from halfphysics.errors import InputError
 from halfphysics.geometry.shape_base import Shape
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Sphere
@@ -31,7 +33,7 @@ MOST = 20_000
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ObjectSurface:
+class ObjectSurface(ReadOnly):
     """The vertices of an object that are labelled.
 
     Attributes:
@@ -42,10 +44,14 @@ class ObjectSurface:
             that convex pieces replace.
     """
 
+    _REBUILT: ClassVar[frozenset[str]] = frozenset({"grid"})
+
     name: str
     vertices: Array
     faces: NDArray[np.int32]
     off: float
+
+    __repr__ = short_repr
 
     @cached_property
     def grid(self) -> Any:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.short_repr import short_repr
 from halfphysics.base.validation import number
 from halfphysics.errors import InputError
 from halfphysics.labels.item_solids import item_solids
@@ -63,6 +64,8 @@ class PersonLabels:
     people_parts: Bools
     force: Array
     force_objects: Array
+
+    __repr__ = short_repr
 
     def body(self, item: int = 0) -> Ids:
         """Ids (T, Vb) of the skin's vertices: their part's id if they touch an object."""
@@ -116,6 +119,8 @@ class ContactLabels:
     names: tuple[str, ...]
     contacts: SolverContacts
     result: Result = field(repr=False)
+
+    __repr__ = short_repr
 
     def __len__(self) -> int:
         return len(self.people[0].human_parts)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base import validation
+from halfphysics.base.arrays import array_of, as_array
 from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
 
@@ -51,4 +52,22 @@ def joints_of(motion: Any, body: Any, *, least: int, what: str) -> tuple[Array, 
     validation.body(body, "joints")
     if len(motion) < least:
         raise InputError(f"{what} takes at least {least} frames, found {len(motion)}")
-    return np.asarray(body.joints(motion)), validation.frame_rate(motion.fps)
+    return as_array(body.joints(motion)), validation.frame_rate(motion.fps)
+
+
+def numbers_of(name: str, value: ArrayLike) -> Array:
+    """`value` as an array of numbers: an array, a list, a tensor.
+
+    Raises:
+        InputError: Something else.
+    """
+    try:
+        return np.asarray(array_of(value), dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name}: not an array of numbers ({error})") from None
+
+
+def flags_of(name: str, value: ArrayLike) -> NDArray[np.bool_]:
+    """`value` as an array of true and false. Raises `InputError` as `numbers_of`."""
+    flags: NDArray[np.bool_] = numbers_of(name, value) != 0.0
+    return flags

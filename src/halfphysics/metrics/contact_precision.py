@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from halfphysics.base.short_repr import short_repr
 from halfphysics.base.validation import number
 from halfphysics.metrics.argument_checks import Array, check_result
 from halfphysics.metrics.part_distance import Poses
@@ -37,6 +38,8 @@ class LabelReport:
     precision_percent: float
     at_frame_percent: float
     distance: Array
+
+    __repr__ = short_repr
 
 
 def contact_precision(result: Result, *, margin: float = MARGIN) -> LabelReport:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics.metrics.argument_checks import flags_of, numbers_of
 from halfphysics.motion.skeleton import JOINT_INDEX
 
 #: A hand nearer than this to a thing touches it [m].
@@ -46,7 +47,7 @@ def contact_scores(contact: ArrayLike, truth: ArrayLike) -> ContactScores:
         contact: Whether there is contact (T,).
         truth: Whether there truly is (T,).
     """
-    said, true = np.asarray(contact, dtype=bool), np.asarray(truth, dtype=bool)
+    said, true = flags_of("contact", contact), flags_of("truth", truth)
     hits = int((said & true).sum())
     precision = hits / int(said.sum()) if said.any() else 0.0
     recall = hits / int(true.sum()) if true.any() else 0.0
@@ -66,5 +67,5 @@ def hand_contact(distance: ArrayLike, *, near: float = NEAR) -> NDArray[np.bool_
         distance: Signed distance (T, 2) [m] of the hands from the nearest thing.
         near: Distance [m].
     """
-    near_by: NDArray[np.bool_] = np.any(np.asarray(distance) < near, axis=1)
+    near_by: NDArray[np.bool_] = np.any(numbers_of("distance", distance) < near, axis=1)
     return near_by

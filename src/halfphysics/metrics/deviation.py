@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.copying import FrozenMapping
+from halfphysics.base.short_repr import short_repr
 from halfphysics.base.validation import number
 from halfphysics.metrics.argument_checks import check_result
 from halfphysics.motion.joint_groups import JOINT_GROUPS
@@ -44,6 +45,8 @@ class Deviation:
     local_mm: Mapping[str, float]
     angle_deg: Mapping[str, float]
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class IntentReport:
@@ -58,6 +61,8 @@ class IntentReport:
     whole: Deviation
     free: Deviation
     touched: Deviation
+
+    __repr__ = short_repr
 
 
 def deviation(result: Result, person: int = 0, *, settle: float = SETTLE) -> IntentReport:
@@ -92,8 +97,8 @@ def deviation(result: Result, person: int = 0, *, settle: float = SETTLE) -> Int
             frames=int(frames.sum()),
             root_mm=mean(root),
             root_deg=mean(angle[:, 0]),
-            local_mm=MappingProxyType({g: mean(local[:, its]) for g, its in joints.items()}),
-            angle_deg=MappingProxyType({g: mean(angle[:, its]) for g, its in joints.items()}),
+            local_mm=FrozenMapping({g: mean(local[:, its]) for g, its in joints.items()}),
+            angle_deg=FrozenMapping({g: mean(angle[:, its]) for g, its in joints.items()}),
         )
 
     return IntentReport(whole=over(np.ones_like(free)), free=over(free), touched=over(~free))

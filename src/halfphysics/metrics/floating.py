@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import validation
+from halfphysics.base.short_repr import short_repr
 from halfphysics.base.validation import number, shown
 from halfphysics.errors import InputError
 from halfphysics.metrics.airborne import airborne
@@ -47,6 +48,8 @@ class FloatReport:
     gap: Array
     airborne: NDArray[np.bool_]
     floats: NDArray[np.bool_]
+
+    __repr__ = short_repr
 
 
 def floating(
@@ -149,7 +152,10 @@ def physdiff(motion: Any, body: Any, *, ground: float = 0.0) -> PhysDiffReport:
     ground = number(ground, "ground", unit="m")
     skate = foot_skate(motion, body, ground=ground).mean_mm
     lowest = np.concatenate(
-        [skin(motion, body, part)[..., 2].min(axis=1) for part in batches(frames_of(motion))]
+        [
+            skin(motion, body, part)[..., 2].min(axis=1)
+            for part in batches(frames_of(motion), "heights")
+        ]
     )
     return physdiff_from(lowest, skate, ground)
 

@@ -7,9 +7,9 @@ Both look at joints (T, J, 3) [m], z up, in SMPL's order (J >= 22): 7 and 8 are 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from halfphysics.metrics.argument_checks import Array
+from halfphysics.metrics.argument_checks import Array, numbers_of
 
 #: Ankles and toes, left and right, in SMPL's order.
 ANKLES, TOES = (7, 8), (10, 11)
@@ -21,7 +21,7 @@ ANKLE_HEIGHT, TOE_HEIGHT = 0.08, 0.04
 
 
 def gmd_skating_ratio(
-    joints: Array,
+    joints: ArrayLike,
     fps: float,
     *,
     ground: float = 0.0,
@@ -45,6 +45,7 @@ def gmd_skating_ratio(
         height: Height [m] under which a toe is on the ground.
         speed: Horizontal speed [m/s] over which it skates.
     """
+    joints = numbers_of("joints", joints)
     toes = joints[:, TOES]
     low = toes[..., 2] - ground < height
     speeds = _steps(toes) * fps
@@ -52,7 +53,7 @@ def gmd_skating_ratio(
     return float(skates.any(axis=1).mean())
 
 
-def foot_sliding_mm(joints: Array, *, ground: float = 0.0) -> float:
+def foot_sliding_mm(joints: ArrayLike, *, ground: float = 0.0) -> float:
     """FS, foot sliding [mm]: horizontal steps of ankles and toes, weighted by how low they are.
 
     Of each ankle (H = 8 cm) and toe (H = 4 cm) the sum over the steps that it begins at a height
@@ -66,6 +67,7 @@ def foot_sliding_mm(joints: Array, *, ground: float = 0.0) -> float:
         joints: Positions (T, J, 3) [m], T >= 2.
         ground: Height of the ground [m].
     """
+    joints = numbers_of("joints", joints)
     total = 0.0
     for pair, limit in ((ANKLES, ANKLE_HEIGHT), (TOES, TOE_HEIGHT)):
         height = joints[:-1, pair, 2] - ground

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.copying import FrozenMapping
+from halfphysics.base.short_repr import short_repr
 from halfphysics.metrics.argument_checks import Array, check_result
 from halfphysics.metrics.scene_solids import links_of
 from halfphysics.motion.skeleton import JOINT_NAMES
@@ -51,6 +52,8 @@ class ForceReport:
     balance: Mapping[str, Array]
     unbalanced: float
 
+    __repr__ = short_repr
+
 
 def contact_forces(result: Result) -> ForceReport:
     """Check the contact impulses of a result.
@@ -91,7 +94,7 @@ def contact_forces(result: Result) -> ForceReport:
         cone_percent=percent((beyond <= room) & (along >= -room)),
         pull=largest(-along),
         slip=largest(beyond),
-        balance=MappingProxyType(balance),
+        balance=FrozenMapping(balance),
         unbalanced=max((float(r.max()) for r in balance.values()), default=float("nan")),
     )
 

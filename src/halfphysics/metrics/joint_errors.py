@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from halfphysics.base import validation
+from halfphysics.base.arrays import as_array
 from halfphysics.errors import InputError
 from halfphysics.metrics.argument_checks import Array, check_motion
 
@@ -41,7 +42,7 @@ def _joints(a: Any, b: Any, body: Any) -> tuple[Array, Array]:
             f"motions of one frame rate are compared, found {a.fps:g} and {b.fps:g} fps; "
             "resample one: motion.resample(fps)"
         )
-    return body.joints(a), body.joints(b)
+    return as_array(body.joints(a)), as_array(body.joints(b))
 
 
 def _mean_error(p: Array, q: Array) -> float:

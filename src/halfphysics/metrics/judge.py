@@ -156,7 +156,7 @@ def _of_skin(
     points = skin_points(body)
     distance = None if scene is None else SceneDistance(scene, len(motion), objects)
     lowest, steady, shares = [], [], []
-    for part in batches(len(motion)):
+    for part in batches(len(motion), "judging"):
         vertices = skin(motion, body, part)
         lowest.append(vertices[..., 2].min(axis=1))
         steady.append(stability_of(vertices, points, ground=ground))

@@ -8,9 +8,9 @@ toe 11. Speeds are of all three axes, between a frame and the next. Source of al
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from halfphysics.metrics.argument_checks import Array
+from halfphysics.metrics.argument_checks import Array, flags_of, numbers_of
 from halfphysics.metrics.foot_sliding import TOES
 
 #: Left ankle, left toe, right ankle, right toe: the columns of contact labels.
@@ -25,7 +25,7 @@ EPSILON = 1e-6
 Labels = NDArray[np.bool_]
 
 
-def foot_skate_from_height(joints: Array, fps: float, *, ground: float = 0.0) -> float:
+def foot_skate_from_height(joints: ArrayLike, fps: float, *, ground: float = 0.0) -> float:
     """FootSkateFromHeight: mean speed [m/s] of toes that are under 5 cm when the step begins.
 
     Args:
@@ -33,11 +33,12 @@ def foot_skate_from_height(joints: Array, fps: float, *, ground: float = 0.0) ->
         fps: Frames per second.
         ground: Height of the ground [m].
     """
+    joints = numbers_of("joints", joints)
     down = joints[:-1, TOES, 2] - ground < HEIGHT
     return _mean(_speeds(joints[:, TOES], fps), down)
 
 
-def foot_skate_ratio(joints: Array, fps: float, *, ground: float = 0.0) -> float:
+def foot_skate_ratio(joints: ArrayLike, fps: float, *, ground: float = 0.0) -> float:
     """FootSkateRatio: of the steps of a toe that is under 5 cm at both ends, the share (0 to 1)
     with a speed over 0.2 m/s.
 
@@ -46,25 +47,27 @@ def foot_skate_ratio(joints: Array, fps: float, *, ground: float = 0.0) -> float
         fps: Frames per second.
         ground: Height of the ground [m].
     """
+    joints = numbers_of("joints", joints)
     low = joints[:, TOES, 2] - ground < HEIGHT
     down = low[:-1] & low[1:]
     skates = down & (_speeds(joints[:, TOES], fps) > SPEED)
     return float(skates.sum() / (down.sum() + EPSILON))
 
 
-def foot_skate_from_contacts(joints: Array, fps: float, contacts: Labels) -> float:
+def foot_skate_from_contacts(joints: ArrayLike, fps: float, contacts: ArrayLike) -> float:
     """FootSkateFromContacts: mean speed [m/s] of ankles and toes where labels say contact.
 
     Args:
         joints: Positions (T, J, 3) [m], T >= 2.
         fps: Frames per second.
-        contacts: Labels (T, 4): left ankle, left toe, right ankle, right toe.
+        contacts: ArrayLike (T, 4): left ankle, left toe, right ankle, right toe.
     """
-    return _mean(_speeds(joints[:, FEET], fps), np.asarray(contacts, dtype=bool)[:-1])
+    joints = numbers_of("joints", joints)
+    return _mean(_speeds(joints[:, FEET], fps), flags_of("contacts", contacts)[:-1])
 
 
 def foot_contact_consistency(
-    joints: Array, fps: float, contacts: Labels, *, ground: float = 0.0
+    joints: ArrayLike, fps: float, contacts: ArrayLike, *, ground: float = 0.0
 ) -> float:
     """FootContactConsistency: share (0 to 1) of labels that agree with `foot_contacts` of the
     motion, over the first T - 1 frames and four joints.
@@ -72,19 +75,21 @@ def foot_contact_consistency(
     Args:
         joints: Positions (T, J, 3) [m], T >= 2.
         fps: Frames per second.
-        contacts: Labels (T, 4), as of `foot_skate_from_contacts`.
+        contacts: ArrayLike (T, 4), as of `foot_skate_from_contacts`.
         ground: Height of the ground [m].
     """
+    joints = numbers_of("joints", joints)
     told = foot_contacts(joints, fps, ground=ground)
-    wrong = told[:-1] != np.asarray(contacts, dtype=bool)[:-1]
+    wrong = told[:-1] != flags_of("contacts", contacts)[:-1]
     return float(1.0 - wrong.mean())
 
 
-def foot_contacts(joints: Array, fps: float, *, ground: float = 0.0) -> Labels:
+def foot_contacts(joints: ArrayLike, fps: float, *, ground: float = 0.0) -> Labels:
     """Contact labels (T, 4) told from the motion: lower than 10 cm and slower than 0.15 m/s.
 
     The last frame takes the speed of the step before it.
     """
+    joints = numbers_of("joints", joints)
     speeds = _speeds(joints[:, FEET], fps)
     slow = np.concatenate([speeds, speeds[-1:]]) < CONTACT_SPEED
     labels: Labels = slow & (joints[:, FEET, 2] - ground < CONTACT_HEIGHT)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from halfphysics.base.short_repr import short_repr
 from halfphysics.metrics.airborne import GRAVITY
 from halfphysics.metrics.argument_checks import Array, check_result
 
@@ -37,6 +38,8 @@ class NetForceReport:
     peak_weights: float
     window_weights: float
     sustained_weights: float
+
+    __repr__ = short_repr
 
 
 def net_force(result: Result, person: int = 0) -> NetForceReport:

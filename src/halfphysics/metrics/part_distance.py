@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.progress import over
 from halfphysics.body import skinning
 from halfphysics.geometry.colliders import ConvexCollider, convex_collider
 from halfphysics.geometry.shapes import Mesh, Plane
@@ -116,7 +117,7 @@ class Poses:
         order = np.argsort(at, kind="stable")
         frames, first = np.unique(at[order], return_index=True)
         ends = np.append(first[1:], len(order))
-        for i in range(0, len(frames), _CHUNK):
+        for i in over(range(0, len(frames), _CHUNK), "distances of people", "frame", size=_CHUNK):
             chunk = frames[i : i + _CHUNK]
             skins = self._skins(chunk)
             for k in range(len(chunk)):

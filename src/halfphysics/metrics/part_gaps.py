@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.progress import over
 from halfphysics.body import skinning
 from halfphysics.metrics.argument_checks import Array
 
@@ -46,7 +47,7 @@ def part_gaps(
     """
     found = np.full(len(at), np.inf)
     frames = np.unique(at)
-    for first in range(0, len(frames), _CHUNK):
+    for first in over(range(0, len(frames), _CHUNK), "distances of parts", "frame", size=_CHUNK):
         chunk = frames[first : first + _CHUNK]
         here = np.flatnonzero((at >= chunk[0]) & (at <= chunk[-1]))
         parts, its = np.unique(part[here], return_inverse=True)

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.copying import ReadOnly
+from halfphysics.base.short_repr import short_repr
 from halfphysics.errors import FileError
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.results.records import SceneRecord
@@ -23,7 +25,7 @@ Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PartReport:
+class PartReport(ReadOnly):
     """Measures of every part of a person: arrays (T, 55), columns as `JOINT_NAMES`.
 
     Attributes:
@@ -46,6 +48,8 @@ class PartReport:
     force: Array
     displacement: Array
     rotation: Array
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for column in fields(self):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.short_repr import short_repr
 from halfphysics.metrics.argument_checks import Array, check_result
 from halfphysics.metrics.asked import asked_motion
 
@@ -39,6 +40,8 @@ class PathReport:
     end_height_mm: float
     end_tilt_deg: float
     end_heading_deg: float
+
+    __repr__ = short_repr
 
 
 def path_offset(result: Result, person: int = 0) -> PathReport:

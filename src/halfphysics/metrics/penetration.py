@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from halfphysics.base import progress as bars
 from halfphysics.base import rotations, validation
+from halfphysics.base.short_repr import short_repr
 from halfphysics.base.validation import number, shown
 from halfphysics.errors import InputError
 from halfphysics.geometry.mesh_queries import MeshQuery, is_closed
@@ -45,6 +47,8 @@ class PenetrationReport:
     deepest: Array
     by_name: Mapping[str, Array]
     vertices_inside: int = 0
+
+    __repr__ = short_repr
 
 
 def penetration(
@@ -87,7 +91,9 @@ def penetration(
     share, deepest = np.zeros(frames), np.zeros(frames)
     by_name = {n: np.zeros(frames) for n in (*solids, *others)}
     total, count = 0.0, 0
-    for part in _shown(batches(frames), progress):
+    with bars.asked(progress):
+        parts = batches(frames, "penetration")
+    for part in parts:
         vertices = skin(motion, body, part)
         depth = np.zeros(vertices.shape[:2])
         for name, its in solids.items():
@@ -157,13 +163,3 @@ def _depth(solids: list[Solid], points: Array, part: slice, threads: int) -> Arr
         own = shape.depth(local.reshape(-1, 3), threads=threads).reshape(deepest.shape)
         np.maximum(deepest, own, out=deepest)
     return deepest
-
-
-def _shown(parts: list[slice], progress: bool) -> Iterable[slice]:
-    """The batches, with a progress bar if requested."""
-    if not progress:
-        return parts
-    from tqdm import tqdm
-
-    frames = parts[0].stop
-    return tqdm(parts, desc="penetration", unit_scale=frames, unit="frames", leave=False)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from halfphysics.base.short_repr import short_repr
 from halfphysics.body.joint_ranges import JointRanges
 from halfphysics.metrics.argument_checks import Array, check_result
 from halfphysics.metrics.asked import asked_motion
@@ -37,6 +38,8 @@ class RangeReport:
     frame: int
     asked_deg: float
     beyond: Array
+
+    __repr__ = short_repr
 
 
 def range_violations(result: Result, person: int = 0) -> RangeReport:

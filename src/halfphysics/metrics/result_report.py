@@ -32,14 +32,14 @@ _LISTED = 5  # touched things, and objects, that are listed
 _PARTS = 3  # parts that are named for each
 
 
-def summary(result: Result) -> str:
-    """The work behind `Result.summary`."""
+def summary(result: Result, *, brief: bool = False) -> str:
+    """The work behind `Result.summary`; `brief`: without how people stand, which takes seconds."""
     lines = [_head(result)]
     for index, person in enumerate(result.people):
         block = [
             *_following(result, index),
             *hold_lines(result, index),
-            *standing(result, index),
+            *([] if brief else standing(result, index)),
             *_touches(result, index),
             *_inside(result, result.inside[result.inside.person == index]),
         ]

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from halfphysics.base import rotations as rot
 from halfphysics.geometry.mesh import Mesh
 from halfphysics.geometry.shapes import Plane
-from halfphysics.metrics.argument_checks import Array
+from halfphysics.metrics.argument_checks import Array, numbers_of
 from halfphysics.metrics.scene_solids import Solid, solids_of, tracks_of
 from halfphysics.metrics.surface_gaps import signed_distance
 
@@ -35,7 +36,7 @@ class SceneContactReport:
     contact_percent: float
 
 
-def scene_contact(distance: Array) -> SceneContactReport:
+def scene_contact(distance: ArrayLike) -> SceneContactReport:
     """Non-collision and contact scores of signed distances of the skin.
 
     Source: PSI (Zhang et al. 2020); POSA (Hassan et al. 2021), mohamedhassanmus/POSA
@@ -45,6 +46,7 @@ def scene_contact(distance: Array) -> SceneContactReport:
     Args:
         distance: Of every vertex in every frame from the scene (T, V) [m], negative inside.
     """
+    distance = numbers_of("distance", distance)
     return scores_of(*counts_of(distance))
 
 

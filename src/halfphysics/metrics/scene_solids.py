@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from halfphysics.base import rotations
+from halfphysics.base.arrays import array_of
 from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
 from halfphysics.geometry.shape_base import Shape
@@ -54,8 +55,8 @@ def tracks_of(
                 f"objects: {name!r}: expected a track with position and quaternion, as in "
                 f"result.objects, found {shown(track)}"
             )
-        position = np.asarray(track.position, dtype=np.float64)
-        quaternion = np.asarray(track.quaternion, dtype=np.float64)
+        position = np.asarray(array_of(track.position), dtype=np.float64)
+        quaternion = np.asarray(array_of(track.quaternion), dtype=np.float64)
         if position.shape != (frames, 3) or quaternion.shape != (frames, 4):
             raise InputError(
                 f"objects: {name!r}: expected position ({frames}, 3) and quaternion ({frames}, 4) "

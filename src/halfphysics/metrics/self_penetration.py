@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.short_repr import short_repr
 from halfphysics.geometry.mesh_queries import MeshQuery
 from halfphysics.metrics.argument_checks import Array
 from halfphysics.metrics.segments import NAMES, Segments, neighbours, segments
@@ -47,6 +48,8 @@ class SelfPenetrationReport:
     depth_mm: float
     max_mm: float
     frames: NDArray[np.intp]
+
+    __repr__ = short_repr
 
 
 def self_penetration(

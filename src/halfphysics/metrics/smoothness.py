@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from halfphysics.metrics.argument_checks import Array, joints_of
+from halfphysics.metrics.argument_checks import joints_of, numbers_of
 
 #: Hips, left and right, in SMPL's order: their middle is the pelvis of `acceleration_error`.
 HIPS = (1, 2)
@@ -32,7 +33,7 @@ def jerk(motion: Any, body: Any) -> float:
     return float(np.linalg.norm(third, axis=-1).mean())
 
 
-def jitter(joints: Array, fps: float) -> float:
+def jitter(joints: ArrayLike, fps: float) -> float:
     """Jitter [10 m/s^3]: the mean third difference of joint positions times fps^3, over 10.
 
     Source: as EMDB's table has it, yohanshin/WHAM lib/eval/eval_utils.py, `compute_jitter`, after
@@ -42,11 +43,12 @@ def jitter(joints: Array, fps: float) -> float:
         joints: Positions in the world (T, J, 3) [m], T >= 4.
         fps: Frames per second.
     """
+    joints = numbers_of("joints", joints)
     third = np.diff(joints, n=3, axis=0) * fps**3
     return float(np.linalg.norm(third, axis=-1).mean() / 10.0)
 
 
-def acceleration_error(joints: Array, truth: Array, fps: float) -> float:
+def acceleration_error(joints: ArrayLike, truth: ArrayLike, fps: float) -> float:
     """Accel [m/s^2]: mean distance between accelerations of joints and the true ones.
 
     Second differences times fps^2, of positions relative to the middle of the hips.
@@ -59,6 +61,7 @@ def acceleration_error(joints: Array, truth: Array, fps: float) -> float:
         truth: The true ones (T, J, 3) [m].
         fps: Frames per second.
     """
+    joints, truth = numbers_of("joints", joints), numbers_of("truth", truth)
     own, true = (p - p[:, HIPS].mean(axis=1, keepdims=True) for p in (joints, truth))
     error = np.diff(own, n=2, axis=0) - np.diff(true, n=2, axis=0)
     return float(fps**2 * np.linalg.norm(error, axis=-1).mean())

@@ -17,6 +17,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.short_repr import short_repr
 from halfphysics.metrics.argument_checks import Array
 from halfphysics.metrics.segments import Segments, segments
 from halfphysics.metrics.skins import batches, skin
@@ -48,6 +49,8 @@ class StabilityReport:
     bose_percent: float
     error: Array
     inside: Array
+
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +87,7 @@ def stability(motion: Any, body: Any, *, ground: float = 0.0) -> StabilityReport
     points = skin_points(body)
     parts = [
         stability_of(skin(motion, body, part), points, ground=ground)
-        for part in batches(len(motion))
+        for part in batches(len(motion), "stability")
     ]
     return report_of(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 

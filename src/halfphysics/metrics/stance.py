@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.short_repr import short_repr
 from halfphysics.metrics.airborne import airborne
 from halfphysics.metrics.argument_checks import Array, check_result
 from halfphysics.metrics.asked import asked_motion
@@ -59,6 +60,8 @@ class StanceReport:
     asked: Slide
     steps: int
     slide: Array
+
+    __repr__ = short_repr
 
 
 def sole_patches(body: Any) -> NDArray[np.intp]:

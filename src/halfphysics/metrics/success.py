@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from halfphysics.metrics.argument_checks import Array, check_motion
+from halfphysics.base.arrays import as_array
+from halfphysics.metrics.argument_checks import check_motion, numbers_of
 
 #: Mean joint error over which a clip is a failure of PHC [m].
 FAR = 0.5
@@ -30,11 +32,11 @@ def success(motion: Any | None, asked: Any) -> bool:
         return False
     check_motion("motion", motion)
     same = len(motion) == len(asked) and abs(motion.fps - asked.fps) <= 1e-6 * abs(asked.fps)
-    arrays = (np.asarray(motion.translation), np.asarray(motion.rotations))
+    arrays = (as_array(motion.translation), as_array(motion.rotations))
     return same and all(bool(np.isfinite(a).all()) and len(a) == len(asked) for a in arrays)
 
 
-def phc_success(joints: Array, truth: Array) -> bool:
+def phc_success(joints: ArrayLike, truth: ArrayLike) -> bool:
     """PHC's success: in no frame is the mean distance of the joints from the truth over 0.5 m.
 
     Positions are those in the world, nothing is aligned. The share of clips for which this holds is
@@ -46,4 +48,5 @@ def phc_success(joints: Array, truth: Array) -> bool:
         joints: Positions (T, J, 3) [m].
         truth: The true ones (T, J, 3) [m].
     """
+    joints, truth = numbers_of("joints", joints), numbers_of("truth", truth)
     return bool((np.linalg.norm(joints - truth, axis=-1).mean(axis=1) <= FAR).all())

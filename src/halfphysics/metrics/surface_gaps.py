@@ -121,7 +121,7 @@ def carrying_gaps(
     part_of = np.zeros_like(group) if rest is None else rest[0]
     cells, cell = np.unique(np.stack([group, part_of]), axis=1, return_inverse=True)
     cell = np.where(group >= 0, cell.reshape(-1), -1)
-    for part in batches(frames):
+    for part in batches(frames, "distances to surfaces"):
         vertices = skin(motion, body, part)
         wanted = np.broadcast_to(group >= 0, vertices.shape[:2])
         if rest is not None:

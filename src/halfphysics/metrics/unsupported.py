@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.short_repr import short_repr
 from halfphysics.metrics.airborne import airborne
 from halfphysics.metrics.argument_checks import Array, check_result
 from halfphysics.metrics.asked import asked_motion
@@ -34,6 +35,8 @@ class UnsupportedReport:
     weight_percent: float
     missing: Array
     unsupported: NDArray[np.bool_]
+
+    __repr__ = short_repr
 
 
 def unsupported_weight(result: Result, person: int = 0) -> UnsupportedReport:

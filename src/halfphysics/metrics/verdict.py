@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
-from typing import Any
 
+from halfphysics.base.copying import FrozenMapping
+from halfphysics.base.short_repr import short_repr
 from halfphysics.metrics.measures import MEASURES, Measure
 
 
@@ -27,14 +27,11 @@ class Verdict:
     frames: int
     fps: float
 
+    __repr__ = short_repr
+
     def __post_init__(self) -> None:
         for name in ("values", "missing"):
-            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
-
-    def __reduce__(self) -> Any:
-        # Views of mappings cannot be sent to another process.
-        fields = {"values": dict(self.values), "missing": dict(self.missing)}
-        return _verdict, (fields | {"frames": self.frames, "fps": self.fps},)
+            object.__setattr__(self, name, FrozenMapping(dict(getattr(self, name))))
 
     def __getitem__(self, key: str) -> float:
         return self.values[key]
@@ -44,7 +41,3 @@ class Verdict:
         for measure in MEASURES:
             if measure.key in self.values:
                 yield measure, self.values[measure.key]
-
-
-def _verdict(fields: dict[str, Any]) -> Verdict:
-    return Verdict(**fields)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
 from halfphysics.base import validation
+from halfphysics.base.short_repr import short_repr
 from halfphysics.base.validation import number, shown
 from halfphysics.errors import InputError
 from halfphysics.geometry.mesh_queries import boundary_edges, components
@@ -49,6 +50,8 @@ class VolumeReport:
     error: Array
     mean_cm3: float
     max_cm3: float
+
+    __repr__ = short_repr
 
 
 def penetrating_volume(
@@ -91,7 +94,7 @@ def penetrating_volume(
     grid = Grid(pitch, rot.to_matrix(rot.exp([0.0, 0.0, _TURN])))
     found = np.zeros((frames, 4))
     caps: _Caps | None = None
-    for part in batches(frames):
+    for part in batches(frames, "penetrating volume"):
         vertices = skin(motion, body, part)
         if caps is None:
             caps = _Caps.of(np.asarray(body.faces, dtype=np.int64), vertices.shape[1])

@@ -11,9 +11,9 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from halfphysics.metrics.argument_checks import Array
+from halfphysics.metrics.argument_checks import Array, numbers_of
 from halfphysics.motion.skeleton import JOINT_INDEX
 
 #: Frames of a piece that is aligned as one.
@@ -26,7 +26,7 @@ CONTACT = 0.01
 SMPL_SOLES, SMPL_VERTICES = (3216, 3387, 6617, 6787), 6890
 
 
-def wa_mpjpe(joints: Array, truth: Array) -> float:
+def wa_mpjpe(joints: ArrayLike, truth: ArrayLike) -> float:
     """WA-MPJPE_100 [mm]: mean joint error, each 100 frames aligned to the truth as a whole.
 
     Of each piece of the clip (`pieces`) the similarity (scale, rotation, translation) that brings
@@ -39,7 +39,7 @@ def wa_mpjpe(joints: Array, truth: Array) -> float:
     return _in_pieces(joints, truth, slice(None))
 
 
-def w_mpjpe(joints: Array, truth: Array) -> float:
+def w_mpjpe(joints: ArrayLike, truth: ArrayLike) -> float:
     """W-MPJPE_100 [mm]: as `wa_mpjpe`, but each piece is aligned by its first two frames alone."""
     return _in_pieces(joints, truth, slice(0, FIRST))
 
@@ -59,7 +59,7 @@ def pieces(frames: int) -> list[slice]:
     ]
 
 
-def rte(path: Array, truth: Array) -> float:
+def rte(path: ArrayLike, truth: ArrayLike) -> float:
     """RTE [%]: mean distance of the root from the true root over the length of the true path.
 
     The whole path is aligned first, by rotation and translation without scale. NaN where the true
@@ -69,6 +69,7 @@ def rte(path: Array, truth: Array) -> float:
         path: Positions of the root (T, 3) [m].
         truth: The true ones (T, 3) [m].
     """
+    path, truth = numbers_of("path", path), numbers_of("truth", truth)
     length = float(np.linalg.norm(np.diff(truth, axis=0), axis=1).sum())
     if length == 0.0:
         return float("nan")
@@ -76,7 +77,7 @@ def rte(path: Array, truth: Array) -> float:
     return float(100.0 * np.linalg.norm(move(path) - truth, axis=1).mean() / length)
 
 
-def world_foot_sliding(soles: Array, truth: Array, *, contact: float = CONTACT) -> float:
+def world_foot_sliding(soles: ArrayLike, truth: ArrayLike, *, contact: float = CONTACT) -> float:
     """Foot sliding [mm]: mean displacement from frame to frame of vertices of the soles, over the
     steps in which the true vertex moves less than 1 cm; NaN where there is none.
 
@@ -85,6 +86,7 @@ def world_foot_sliding(soles: Array, truth: Array, *, contact: float = CONTACT) 
         truth: The true ones (T, 4, 3) [m].
         contact: Displacement of the truth under which a vertex is in contact [m].
     """
+    soles, truth = numbers_of("soles", soles), numbers_of("truth", truth)
     moved, true = (np.linalg.norm(np.diff(p, axis=0), axis=-1) for p in (soles, truth))
     held = true < contact
     return float(1000.0 * moved[held].mean()) if held.any() else float("nan")
@@ -107,8 +109,9 @@ def sole_vertices(body: Any) -> NDArray[np.intp]:
     return np.array(found, dtype=np.intp)
 
 
-def _in_pieces(joints: Array, truth: Array, by: slice) -> float:
+def _in_pieces(joints: ArrayLike, truth: ArrayLike, by: slice) -> float:
     """Mean error [mm] of pieces that are aligned by the frames `by` of each."""
+    joints, truth = numbers_of("joints", joints), numbers_of("truth", truth)
     errors = []
     for piece in pieces(len(joints)):
         own, true = joints[piece], truth[piece]

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.copying import ReadOnly
+from halfphysics.base.short_repr import short_repr
 from halfphysics.base.validation import is_whole, number, shown
 from halfphysics.errors import InputError
 from halfphysics.motion.pose import checked
@@ -22,7 +24,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class AdaptedHold:
+class AdaptedHold(ReadOnly):
     """One thing that one person is to hold (`Motion.holds`); frames are those of the motion, T.
 
     Attributes:
@@ -48,6 +50,8 @@ class AdaptedHold:
     moved: tuple[float, ...]
     position: Array = field(repr=False)
     quaternion: Array = field(repr=False)
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         what = f"hold of {shown(self.object)}"

@@ -9,13 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.copying import ReadOnly
+from halfphysics.base.short_repr import short_repr
 from halfphysics.motion.resampling import neighbours
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class FileMetadata:
+class FileMetadata(ReadOnly):
     """Data of a motion file besides the motion: all that a writer needs to restore it.
 
     `fields` belongs to the format (key names, dtypes, constants); `per_frame` holds arrays
@@ -25,6 +27,8 @@ class FileMetadata:
     format: str
     fields: Mapping[str, Any] = field(default_factory=dict)
     per_frame: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+
+    __repr__ = short_repr
 
     def taken(self, rows: Any) -> FileMetadata:
         """The same with the per-frame arrays indexed by `rows`."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.arrays import array_of
 from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import number, shown
 from halfphysics.errors import InputError
@@ -141,7 +142,7 @@ def stiffness_array(value: Any, what: str) -> Array:
     """
     if isinstance(value, Mapping):
         out = joint_values(value, what).resolve(1.0)
-    elif np.ndim(value) == 0:
+    elif _constant(value):
         out = np.full(N_JOINTS, number(value, what, least=0.0))
     else:
         out = stiffness_rows(value, what, (N_JOINTS,))
@@ -152,7 +153,7 @@ def stiffness_array(value: Any, what: str) -> Array:
 def stiffness_rows(value: Any, what: str, shape: tuple[int, ...]) -> Array:
     """`value` as an array of that shape, of numbers >= 0."""
     try:
-        out = np.array(value, dtype=np.float64)
+        out = np.array(array_of(value), dtype=np.float64)
     except (TypeError, ValueError):
         raise InputError(f"{what}: found {shown(value)}, expected numbers {shape}") from None
     if out.shape != shape:

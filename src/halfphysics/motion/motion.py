@@ -12,7 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base import validation
+from halfphysics.base.arrays import as_array
 from halfphysics.base.axes import axes_of, turned
+from halfphysics.base.copying import ReadOnly
+from halfphysics.base.in_notebook import InNotebook
+from halfphysics.base.progress import over
 from halfphysics.base.validation import frame_rate, number
 from halfphysics.errors import InputError
 from halfphysics.motion.adapted_hold import AdaptedHold, check_adaptation
@@ -36,8 +40,8 @@ _CHUNK = 64
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
-    """SMPL-X parameters of one person over T frames. Immutable: its arrays are read-only.
+class Motion(InNotebook, ReadOnly):
+    """SMPL-X parameters of one person over T frames. ReadOnly: its arrays are read-only.
 
     The world is z-up. The pelvis is at ``axes @ J0(betas) + translation`` where J0 is the
     pelvis of the shaped body at rest: the SMPL family turns about the pelvis, not the origin.
@@ -185,8 +189,8 @@ class Motion:
         holds: tuple[AdaptedHold, ...] = (),
     ) -> Motion:
         return Motion(
-            np.asarray(translation, dtype=np.float64),
-            np.asarray(rotations, dtype=np.float64),
+            as_array(translation),
+            as_array(rotations),
             fps,
             betas=self.betas,
             gender=self.gender,
@@ -220,7 +224,7 @@ class Motion:
         """
         fps = self.fps if fps is None else fps
         metadata = self.origin
-        if len(np.asarray(translation)) == len(self) and fps == self.fps:
+        if len(as_array(translation)) == len(self) and fps == self.fps:
             kept = self.stiffness_scale, self.holds
             made = self._replaced(translation, rotations, fps, metadata, *kept)
             known = self.recorded is not None
@@ -269,7 +273,7 @@ class Motion:
         z = number(z, "z", unit="m")
         percentile = number(percentile, "percentile", least=0.0, most=100.0)
         lowest = np.empty(len(self))
-        for start in range(0, len(self), _CHUNK):
+        for start in over(range(0, len(self), _CHUNK), "heights", "frame", size=_CHUNK):
             frames = range(start, min(start + _CHUNK, len(self)))
             lowest[start : frames.stop] = body.vertices(self, frames=frames)[..., 2].min(axis=1)
         up = np.array([0.0, 0.0, z - float(np.percentile(lowest, percentile))])

@@ -7,6 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics.base.arrays import array_of, as_array
+from halfphysics.base.copying import ReadOnly
+from halfphysics.base.in_notebook import InNotebook
+from halfphysics.base.short_repr import numbers
 from halfphysics.errors import InputError
 from halfphysics.motion import skeleton
 
@@ -14,7 +18,7 @@ Array = NDArray[np.float64]
 
 
 def frozen(array: ArrayLike) -> Array:
-    copy = np.array(array, dtype=np.float64)
+    copy = np.array(array_of(array), dtype=np.float64)
     copy.setflags(write=False)
     return copy
 
@@ -62,7 +66,7 @@ def checked_axes(axes: ArrayLike | None) -> Array:
 def flat_rotations(rotations: ArrayLike, leading: int) -> ArrayLike:
     """Rotations (..., 165) as (..., 55, 3); anything else unchanged, for the check to refuse."""
     width = 3 * skeleton.N_JOINTS
-    array = np.asarray(rotations)
+    array = as_array(rotations)
     if array.ndim == leading + 1 and array.shape[-1] == width:
         return array.reshape(*array.shape[:-1], skeleton.N_JOINTS, 3)
     return array
@@ -80,7 +84,7 @@ def checked_scale(scale: ArrayLike, shape: tuple[int | None, ...], expected: str
 
 
 @dataclass(frozen=True, eq=False)
-class Pose:
+class Pose(InNotebook, ReadOnly):
     """One frame: the position of the body and the rotations of its joints.
 
     Args:
@@ -110,6 +114,9 @@ class Pose:
         if self.stiffness_scale is not None:
             scale = checked_scale(self.stiffness_scale, (skeleton.N_JOINTS,), "(55,)")
             object.__setattr__(self, "stiffness_scale", scale)
+
+    def __repr__(self) -> str:
+        return f"Pose({skeleton.N_JOINTS} joints, translation {numbers(self.translation)} m)"
 
     @classmethod
     def trusted(cls, translation: Array, rotations: Array, axes: Array) -> Pose:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.arrays import as_array
 from halfphysics.base.axes import turned
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.motion import skeleton
@@ -30,21 +30,13 @@ PARTS: Mapping[str, tuple[int, ...]] = {
 _SMPL_BODY = 23
 
 
-def to_numpy(value: Any) -> NDArray[Any]:
-    """An array of anything array-like; tensors that carry gradients or sit on a GPU too."""
-    for method in ("detach", "cpu"):
-        if hasattr(value, method):
-            value = getattr(value, method)()
-    return np.asarray(value)
-
-
 def one_shape(name: str, betas: ArrayLike, frames: int) -> Array | None:
     """Betas (n,) of (n,), (1, n) or (frames, n) with equal rows; None of an empty array.
 
     Raises:
         InputError: Rows differ, or the shape fits none of these.
     """
-    array = to_numpy(betas).astype(np.float64)
+    array = as_array(betas).astype(np.float64)
     if array.size == 0:
         return None
     rows = array.reshape(-1, array.shape[-1]) if array.ndim else array.reshape(1, 1)
@@ -62,7 +54,7 @@ def one_shape(name: str, betas: ArrayLike, frames: int) -> Array | None:
 
 def _axis_angle(name: str, value: ArrayLike, joints: int) -> Array:
     """Rotations (T, J, 3) of axis-angle (..., 3 J) or (..., J, 3), or matrices (T, J, 3, 3)."""
-    array = to_numpy(value).astype(np.float64)
+    array = as_array(value).astype(np.float64)
     if array.ndim == 4 and array.shape[1] == joints and array.shape[2:] == (3, 3):
         return rot.matrix_to_rotvec(array)
     if array.shape[-1:] == (3 * joints,) or array.shape[-2:] == (joints, 3):
@@ -89,7 +81,7 @@ def read_parameters(
     hands_mean: ArrayLike | None,
 ) -> Motion:
     """The work behind `Motion.from_smplx`; see there."""
-    translation = to_numpy(transl).astype(np.float64)
+    translation = as_array(transl).astype(np.float64)
     if translation.shape[-1:] != (3,):
         raise InputError(f"transl: found shape {translation.shape}, expected (T, 3)")
     translation = translation.reshape(-1, 3)
@@ -99,7 +91,7 @@ def read_parameters(
         if value is None:
             continue
         joints = PARTS[name]
-        array = to_numpy(value)
+        array = as_array(value)
         if name == "body_pose" and (
             array.shape[-1] == 3 * _SMPL_BODY or array.shape[-2:] == (_SMPL_BODY, 3)
         ):
@@ -112,11 +104,11 @@ def read_parameters(
             )
         full[:, list(joints)] = part
     if hands_mean is not None:
-        mean = to_numpy(hands_mean).astype(np.float64)
+        mean = as_array(hands_mean).astype(np.float64)
         if mean.size != 90:
             raise InputError(f"hands_mean: found shape {mean.shape}, expected (90,)")
         full[:, list(skeleton.LEFT_HAND_JOINTS + skeleton.RIGHT_HAND_JOINTS)] += mean.reshape(30, 3)
-    if expression is not None and np.any(to_numpy(expression)):
+    if expression is not None and np.any(as_array(expression)):
         warnings.warn(
             "expression: ignored, the face is not simulated; keep it beside the result",
             HalfPhysicsWarning,

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.copying import Bound
 from halfphysics.body.mjcf_person import add_person, addresses
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.motion.joint_groups import stiffness_array
@@ -99,12 +100,17 @@ class Human:
         return Control(self, model, data, settings or Settings())
 
 
-class Control:
+class Control(Bound):
     """Steps a MuJoCo world with a person in it.
 
     Attributes:
         names: Names to which contacts refer: the world's geoms, then the person.
     """
+
+    _WHY = (
+        "it steps a MuJoCo model and its data, which are yours; bind the person again over there, "
+        "and pass on get_state() with the data"
+    )
 
     def __init__(self, human: Human, model: Any, data: Any, settings: Settings) -> None:
         from halfphysics import _native

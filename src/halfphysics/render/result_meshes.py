@@ -157,6 +157,9 @@ class Drawing:
         points = [np.asarray(track.position) for track in self.result.objects.values()]
         for person in self.result.people:
             points += [person.body.joints(m)[:, 0] for m in (person.motion, person.recorded)]
+        if not points:  # a scene alone
+            places = [np.asarray(s.position) for s in self.result.scene.statics.values()]
+            points = [np.array([*places, np.zeros(3)])]
         stacked = np.concatenate(points)
         return stacked.min(axis=0), stacked.max(axis=0)
 

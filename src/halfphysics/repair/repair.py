@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.short_repr import short_repr
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.repair.ground_fit import Ground, fit_ground
 from halfphysics.repair.levelled import levelled
@@ -77,6 +78,8 @@ class Repair:
     done: tuple[str, ...]
     left: tuple[str, ...]
     level_floor: bool
+
+    __repr__ = short_repr
 
     @property
     def motion(self) -> Motion:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.short_repr import counted
 from halfphysics.results.table import Ints, Table
 
 Array = NDArray[np.float64]
@@ -34,6 +37,7 @@ class Contacts(Table):
 
     NAME: ClassVar[str] = "contacts"
     VECTORS: ClassVar[frozenset[str]] = frozenset({"position", "normal", "impulse"})
+    UNITS: ClassVar[Mapping[str, str]] = MappingProxyType({"position": "m", "impulse": "N s"})
 
     frame: Ints
     person: Ints
@@ -44,6 +48,15 @@ class Contacts(Table):
     impulse: Array
     subject: Ints
     other_part: Ints
+
+    def __repr__(self) -> str:
+        if not len(self):
+            return "Contacts(none)"
+        parts = counted(len(np.unique(self.part[self.part >= 0])), "part")
+        return (
+            f"Contacts({counted(len(self), 'row')} in frames {self.frame.min()} to "
+            f"{self.frame.max()}, {parts}, impulses up to {self.strength.max():.3g} N s)"
+        )
 
     @property
     def strength(self) -> Array:

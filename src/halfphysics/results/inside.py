@@ -6,13 +6,15 @@ beyond a wall, as seen from the rest of the body, counts as inside it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.short_repr import counted
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.results.table import Ints, Table
@@ -35,6 +37,7 @@ class Depths(Table):
 
     NAME: ClassVar[str] = "inside"
     NUMBERS: ClassVar[frozenset[str]] = frozenset({"depth"})
+    UNITS: ClassVar[Mapping[str, str]] = MappingProxyType({"depth": "m"})
 
     person: Ints
     part: Ints
@@ -46,6 +49,14 @@ class Depths(Table):
         super().__post_init__()
         if len(self) and self.depth.min() < 0.0:
             raise InputError(f"inside.depth: found {self.depth.min():g}, expected 0 or more [m]")
+
+    def __repr__(self) -> str:
+        if not len(self):
+            return f"{type(self).__name__}(none)"
+        frame = getattr(self, "frame", None)
+        when = "" if frame is None else f" in frames {frame.min()} to {frame.max()}"
+        deepest = f"up to {1000.0 * self.depth.max():.3g} mm deep"
+        return f"{type(self).__name__}({counted(len(self), 'row')}{when}, {deepest})"
 
     @property
     def no_way_out(self) -> NDArray[np.bool_]:
@@ -89,10 +100,13 @@ class Inside(Depths):
 
     frame: Ints
 
+    __repr__ = Depths.__repr__
+
     def at(self, frame: int) -> Depths:
         """The rows of one frame."""
         rows = self[self.frame == frame]
-        return Depths(**{name: getattr(rows, name) for name in Depths.columns()})
+        found = Depths(**{name: getattr(rows, name) for name in Depths.columns()})
+        return found if self.naming is None else found.named(self.naming)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -104,6 +118,8 @@ class Breaches(Inside):
     """
 
     NAME: ClassVar[str] = "breaches"
+
+    __repr__ = Depths.__repr__
 
 
 def deepest_first(depth: Array) -> Array:

@@ -7,15 +7,18 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.arrays import array_of
+from halfphysics.base.copying import FrozenMapping, ReadOnly
+from halfphysics.base.in_notebook import InNotebook
+from halfphysics.base.short_repr import counted, numbers
 from halfphysics.base.validation import is_whole, shown
 from halfphysics.errors import InputError
 from halfphysics.motion.motion import Motion
@@ -25,11 +28,15 @@ from halfphysics.results.contacts import Contacts
 from halfphysics.results.deferred import Deferred, typed, typed_or_deferred
 from halfphysics.results.held import HeldReport, held
 from halfphysics.results.inside import Breaches, Inside
+from halfphysics.results.naming import Naming
 from halfphysics.results.substeps import Substeps
 from halfphysics.results.surroundings import Surroundings
 from halfphysics.settings import Settings
 
 if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+
     from halfphysics.body.body import Body
     from halfphysics.metrics.part_report import PartReport
     from halfphysics.scene.scene import Scene
@@ -43,7 +50,7 @@ SETTLE = 0.5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ObjectTrack:
+class ObjectTrack(ReadOnly):
     """Poses of an object: `position` (T, 3) [m] and `quaternion` (T, 4) of its own frame."""
 
     position: Array
@@ -61,9 +68,13 @@ class ObjectTrack:
     def __len__(self) -> int:
         return len(self.position)
 
+    def __repr__(self) -> str:
+        ends = f"{numbers(self.position[0])} to {numbers(self.position[-1])} m" if len(self) else ""
+        return f"ObjectTrack({counted(len(self), 'frame')}, {ends})"
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PersonResult:
+class PersonResult(InNotebook, ReadOnly):
     """One person of a result.
 
     Attributes:
@@ -119,6 +130,13 @@ class PersonResult:
         _set(self, "corrected", flags)
         _set(self, "motion", self.motion.bare())  # what was to be held is the reference's
 
+    def __repr__(self) -> str:
+        off = np.linalg.norm(self.motion.translation - self.recorded.translation, axis=1).max()
+        return (
+            f"PersonResult({self.name}: {len(self.motion)} frames at {self.motion.fps:g} fps, "
+            f"root up to {1000.0 * off:.3g} mm off its path)"
+        )
+
     @property
     def recorded(self) -> Motion:
         """What was asked for: the reference, or what was recorded where it was adapted to it."""
@@ -164,7 +182,7 @@ DIAGNOSTICS = (
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Result:
+class Result(InNotebook, ReadOnly):
     """The result of `simulate`.
 
     Attributes:
@@ -217,7 +235,7 @@ class Result:
         typed("breaches", self.breaches, Breaches)
         typed("settings", self.settings, Settings)
         _set(self, "names", tuple(self.names))
-        _set(self, "objects", MappingProxyType(dict(self.objects)))
+        _set(self, "objects", FrozenMapping(dict(self.objects)))
         if not self.people:
             raise InputError("people: found none, expected at least one")
         self._check_lengths()
@@ -237,6 +255,9 @@ class Result:
         self.contacts.check_within(limits)
         self.inside.check_within(limits)
         self.breaches.check_within(limits)
+        naming = Naming(self.names, len(self.people), self.fps)
+        for name in ("contacts", "inside", "breaches"):
+            _set(self, name, getattr(self, name).named(naming))
         _set(self, "people", tuple(self._settled(index) for index in range(len(self.people))))
 
     def _settled(self, index: int) -> PersonResult:
@@ -258,7 +279,7 @@ class Result:
         lengths = {f"people[{i}]": len(p.motion) for i, p in enumerate(self.people)}
         lengths |= {f"objects[{name!r}]": len(track) for name, track in self.objects.items()}
         for name in ("clearance", "lost_time"):
-            array = np.array(getattr(self, name), dtype=np.float64)
+            array = np.array(array_of(getattr(self, name)), dtype=np.float64)
             if array.ndim != 1 or np.isnan(array).any():
                 raise InputError(
                     f"{name}: found shape {array.shape} with {int(np.isnan(array).sum())} NaN, "
@@ -270,10 +291,10 @@ class Result:
         for field_name in ("diagnostics", "joints"):
             arrays = {}
             for name, given in getattr(self, field_name).items():
-                arrays[name] = np.array(given, dtype=np.float64)
+                arrays[name] = np.array(array_of(given), dtype=np.float64)
                 arrays[name].setflags(write=False)
                 lengths[f"{field_name}[{name!r}]"] = len(np.atleast_1d(arrays[name]))
-            _set(self, field_name, MappingProxyType(arrays))
+            _set(self, field_name, FrozenMapping(arrays))
         wrong = {name: length for name, length in lengths.items() if length != frames}
         if wrong:
             raise InputError(f"result: found lengths {wrong}, expected {frames} frames in each")
@@ -284,8 +305,9 @@ class Result:
 
     def __repr__(self) -> str:
         return (
-            f"Result({len(self)} frames at {self.fps:g} fps, {len(self.people)} person(s), "
-            f"{len(self.objects)} object(s), {len(self.contacts)} contacts)"
+            f"Result({len(self)} frames at {self.fps:g} fps, "
+            f"{counted(len(self.people), 'person', 'people')}, "
+            f"{counted(len(self.objects), 'object')}, {counted(len(self.contacts), 'contact')})"
         )
 
     @property
@@ -374,6 +396,58 @@ class Result:
         from halfphysics.metrics.result_report import summary
 
         return summary(self)
+
+    def to_xarray(self, *, joints: bool = True, vertices: bool = False) -> xarray.Dataset:
+        """The result as a dataset with named dimensions, coordinates and units.
+
+        Dimensions are time, person, joint, object, contact, inside, breach, xyz and wxyz; substep
+        where they were recorded. Nothing is lost: the numbers are the result's, and indices of
+        contacts are names. docs/python.md lists the variables.
+
+        Args:
+            joints: With `joint_position` (person, time, joint, xyz) [m].
+            vertices: With `vertex_position` (person, time, vertex, xyz) [m]: 0.3 MB a frame.
+
+        Raises:
+            MissingDependencyError: xarray is missing: pip install 'halfphysics[frames]'.
+            FileError: In a result from a file: a body is missing, and joints need it.
+            InputError: `vertices` of people with skins of different sizes.
+        """
+        from halfphysics.results.dataset import to_dataset
+
+        dataset: xarray.Dataset = to_dataset(self, joints=joints, vertices=vertices)
+        return dataset
+
+    def plot(
+        self,
+        what: str | Sequence[str] = ("clearance", "forces", "offsets"),
+        *,
+        ax: Any = None,
+    ) -> Figure:
+        """Charts over time, below one another, as a figure of matplotlib.
+
+        Args:
+            what: Some of "clearance" (smallest distance to statics [mm]), "forces" (of contacts
+                between people and things [N]), "offsets" (of joints from the motion as recorded,
+                mean and largest [mm]) and "support" (what holds people up [% of the weight], which
+                takes seconds).
+            ax: Axes to draw into, one for each; None: a new figure.
+
+        Raises:
+            MissingDependencyError: matplotlib is missing: pip install 'halfphysics[notebook]'.
+            InputError: A chart that does not exist, or another number of axes.
+            FileError: In a result from a file: a body is missing.
+        """
+        from halfphysics.results.plots import plot
+
+        figure: Figure = plot(self, what, ax)
+        return figure
+
+    def _notebook_lines(self) -> list[str]:
+        """The summary without what takes seconds: how people stand and slide."""
+        from halfphysics.metrics.result_report import summary
+
+        return summary(self, brief=True).splitlines()
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the result as one npz, whole or not at all.

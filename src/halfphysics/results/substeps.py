@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.copying import FrozenMapping, ReadOnly
+from halfphysics.base.short_repr import counted
 from halfphysics.base.validation import frame_rate
 from halfphysics.motion.motion import Motion
 
@@ -35,7 +36,7 @@ def at_substeps(motion: Motion, translation: Array, rotations: Array, fps: float
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Substeps:
+class Substeps(ReadOnly):
     """Every committed pose of a run with ``Settings(record="substeps")``: S + 1 of them.
 
     Attributes:
@@ -46,6 +47,14 @@ class Substeps:
     motions: tuple[Motion, ...]
     objects: Mapping[str, ObjectTrack]
 
+    def __repr__(self) -> str:
+        first = self.motions[0]
+        return (
+            f"Substeps({len(first)} poses at {first.fps:g} per second, "
+            f"{counted(len(self.motions), 'person', 'people')}, "
+            f"{counted(len(self.objects), 'object')})"
+        )
+
     def __post_init__(self) -> None:
         _set(self, "motions", tuple(self.motions))
-        _set(self, "objects", MappingProxyType(dict(self.objects)))
+        _set(self, "objects", FrozenMapping(dict(self.objects)))

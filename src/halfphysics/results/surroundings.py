@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from halfphysics.base.short_repr import short_repr
 from halfphysics.results.contacts import Contacts
 from halfphysics.results.deferred import Deferred
 
@@ -31,6 +32,8 @@ class Surroundings:
     contacts: Contacts | None
     person: int = 0
     people: int = 1
+
+    __repr__ = short_repr
 
     @property
     def first_person(self) -> int:

@@ -2,21 +2,32 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import Any, ClassVar, Self
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.arrays import as_array
+from halfphysics.base.copying import ReadOnly
+from halfphysics.base.in_notebook import InNotebook
 from halfphysics.errors import InputError
 from halfphysics.motion.pose import checked
+
+if TYPE_CHECKING:
+    import pandas
+    import polars
+
+    from halfphysics.results.naming import Naming
 
 Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Table:
+class Table(InNotebook, ReadOnly):
     """Columns of one length n: whole numbers (n,) unless declared otherwise.
 
     Raises:
@@ -27,6 +38,7 @@ class Table:
     VECTORS: ClassVar[frozenset[str]] = frozenset()  # columns (n, 3) of float64
     NUMBERS: ClassVar[frozenset[str]] = frozenset()  # columns (n,) of float64
     ENDLESS: ClassVar[frozenset[str]] = frozenset()  # those of them that may be inf
+    UNITS: ClassVar[Mapping[str, str]] = MappingProxyType({})  # column -> unit
 
     def __post_init__(self) -> None:
         first = fields(self)[0].name
@@ -61,7 +73,41 @@ class Table:
         """The rows that a slice, a mask (n,) or indices choose."""
         if isinstance(rows, int | np.integer):
             rows = [rows]
-        return type(self)(**{name: getattr(self, name)[rows] for name in self.columns()})
+        chosen = type(self)(**{name: getattr(self, name)[rows] for name in self.columns()})
+        return chosen if self.naming is None else chosen.named(self.naming)
+
+    @property
+    def naming(self) -> Naming | None:
+        """What the indices mean; None: the table is of no result."""
+        found: Naming | None = vars(self).get("_naming")
+        return found
+
+    def named(self, naming: Naming) -> Self:
+        """The same table, of a result."""
+        made = copy.copy(self)
+        object.__setattr__(made, "_naming", naming)
+        return made
+
+    @overload
+    def to_dataframe(self, library: Literal["pandas"] = "pandas") -> pandas.DataFrame: ...
+    @overload
+    def to_dataframe(self, library: Literal["polars"]) -> polars.DataFrame: ...
+    def to_dataframe(self, library: str = "pandas") -> Any:
+        """The table as a data frame with as many rows.
+
+        Columns carry their units (`position_x_m`, `impulse_z_Ns`); parts, items and people are
+        categories by name, missing where the index is -1, and `time_s` is the time of the frame.
+
+        Args:
+            library: "pandas" or "polars".
+
+        Raises:
+            MissingDependencyError: It is not installed: pip install 'halfphysics[frames]'.
+            InputError: Another library.
+        """
+        from halfphysics.results.frames import table_frame
+
+        return table_frame(self, library)
 
     @classmethod
     def none(cls) -> Self:
@@ -89,7 +135,7 @@ class Table:
 
 
 def _whole(name: str, value: Any) -> Ints:
-    array = np.asarray(value)
+    array = as_array(value)
     if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
         raise InputError(
             f"{name}: found shape {array.shape} of {array.dtype}, expected whole numbers (n,)"

@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.copying import ReadOnly
+from halfphysics.base.short_repr import short_repr
 from halfphysics.geometry.colliders import ConvexCollider, convex_collider
 from halfphysics.geometry.shape_base import Shape, Triangles
 
@@ -27,12 +29,14 @@ SIZES = {"free": (7, 6), "ball": (4, 3), "slide": (1, 1), "hinge": (1, 1)}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class LinkGeom:
+class LinkGeom(ReadOnly):
     """A convex solid of a link that touches; pose of its frame in the link's."""
 
     shape: Shape
     position: Array
     quaternion: Array
+
+    __repr__ = short_repr
 
     def collider(self) -> ConvexCollider:
         """The collision geometry, in the link's frame."""
@@ -40,7 +44,7 @@ class LinkGeom:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class LinkJoint:
+class LinkJoint(ReadOnly):
     """A joint between a link and its parent.
 
     `kind`: "hinge", "slide", "ball" or "free". `position` (3,) and unit `axis` (3,) in the link's
@@ -61,13 +65,15 @@ class LinkJoint:
     springref: float = 0.0
     armature: float = 0.0
 
+    __repr__ = short_repr
+
     @property
     def limited(self) -> bool:
         return bool(np.isfinite(self.lower))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Link:
+class Link(ReadOnly):
     """A rigid body of an articulated object.
 
     `parent` is an index into the links (-1: the articulated object's own frame), `position` and
@@ -88,6 +94,8 @@ class Link:
     geoms: tuple[LinkGeom, ...]
     fixed: bool
 
+    __repr__ = short_repr
+
     def mesh(self) -> Triangles:
         """Vertices (V, 3) [m] and faces (F, 3) of the collision geometry, in the link's frame."""
         vertices, faces = [np.zeros((0, 3))], [np.zeros((0, 3), dtype=np.int32)]
@@ -101,7 +109,7 @@ class Link:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Articulated:
+class Articulated(ReadOnly):
     """Links and joints that move by contact and gravity; frame at `position`, `quaternion`.
 
     Results name its links "NAME/LINK" (`Result.objects`, `Result.names`) and its joints

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics.base.copying import ReadOnly
+from halfphysics.base.short_repr import short_repr
 from halfphysics.base.validation import number, quaternion, shown, vector
 from halfphysics.errors import InputError
 from halfphysics.geometry.contact_pieces import joined
@@ -30,7 +32,7 @@ OBJECT_FRICTION = 0.8
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Static:
+class Static(ReadOnly):
     """Static geometry; `position` (3,), `quaternion` (4,) of its frame in the world."""
 
     name: str
@@ -41,13 +43,15 @@ class Static:
     restitution: float = 0.0
     source: MeshSource | None = None
 
+    __repr__ = short_repr
+
     def mesh(self) -> Triangles:
         """Vertices (V, 3) [m] and faces (F, 3) in its own frame; a plane is a large square."""
         return self.shape.triangles()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Object:
+class Object(ReadOnly):
     """A rigid body that moves by contact and gravity alone.
 
     `pieces` are the convex shapes that collide: one primitive or mesh, or the pieces of a divided
@@ -75,6 +79,8 @@ class Object:
     start: str = "awake"
     cut: Cut = USUAL
     decomposition: Decomposition | None = None
+
+    __repr__ = short_repr
 
     @property
     def pieces(self) -> tuple[Shape, ...]:
@@ -165,7 +171,7 @@ def checked_shape(
             if hasattr(given, "graph") and hasattr(given, "geometry"):
                 given = Mesh(*meshes.flatten(given))
             elif hasattr(given, "vertices") and hasattr(given, "faces"):
-                given = Mesh(np.asarray(given.vertices), np.asarray(given.faces))
+                given = Mesh(given.vertices, given.faces)
         except InputError as error:
             raise InputError(f"{what}: {error}") from None
     if not isinstance(given, Mesh):

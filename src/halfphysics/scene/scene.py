@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics.base.copying import ReadOnly
+from halfphysics.base.in_notebook import InNotebook
 from halfphysics.base.validation import number, vector
 from halfphysics.geometry.convex_decomposition import THRESHOLD
 from halfphysics.geometry.shape_base import Shape
@@ -38,7 +40,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-class Scene:
+class Scene(InNotebook, ReadOnly):
     """Statics, objects, articulated objects, gravity, and friction and exclusions of pairs.
 
     gravity: acceleration downward (-z) [m/s^2], or its vector (3,).

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import warnings
 from collections.abc import Callable, Mapping
@@ -24,6 +25,7 @@ from halfphysics.base.document_entries import (
     vector,
 )
 from halfphysics.base.document_tree import Entry, plain_tree, read_tree
+from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.base.validation import file_path
 from halfphysics.errors import FileError, HalfPhysicsError, HalfPhysicsWarning
 from halfphysics.geometry.shapes import (
@@ -39,6 +41,8 @@ from halfphysics.scene.scene import Scene
 
 if TYPE_CHECKING:
     pass
+
+logger = logging.getLogger(__name__)
 
 #: Version written into files; files of another version are refused.
 VERSION = 1
@@ -74,6 +78,7 @@ PIECE_KEYS = ("pieces", "threshold", "max_pieces")
 
 def load_scene(path: str | os.PathLike[str]) -> Scene:
     """The work behind `Scene.load`; see there."""
+    clock = Stopwatch(logger)
     path = file_path(path)
     if path.suffix.lower() not in SUFFIXES:
         raise FileError(
@@ -82,7 +87,9 @@ def load_scene(path: str | os.PathLike[str]) -> Scene:
         )
     if not path.is_file():
         raise FileError(f"{path}: there is no such file, expected a scene ({', '.join(SUFFIXES)})")
-    return _scene(read_tree(path, "statics, objects"), path.parent)
+    scene = _scene(read_tree(path, "statics, objects"), path.parent)
+    clock.done("loaded %s: %d items", path, len(scene._items()))
+    return scene
 
 
 def scene_from_document(document: Mapping[str, Any], origin: Path) -> Scene:

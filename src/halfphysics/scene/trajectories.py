@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.arrays import array_of, as_array
+from halfphysics.base.short_repr import short_repr
 from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
 from halfphysics.scene.items import Object
@@ -30,10 +32,12 @@ class KinematicObject(Object):
     fps: float
     loop: bool = False
 
+    __repr__ = short_repr
+
     def at(self, time: ArrayLike) -> tuple[Array, Array]:
         """Positions (..., 3) and quaternions (..., 4) at times (...) [s], without delays."""
         count = len(self.positions)
-        frame = np.asarray(time, dtype=np.float64) * self.fps
+        frame = np.asarray(array_of(time), dtype=np.float64) * self.fps
         frame = frame % count if self.loop else np.clip(frame, 0.0, count - 1)
         first = np.minimum(np.floor(frame).astype(np.int64), count - 1)
         share = frame - first
@@ -84,7 +88,7 @@ def start_velocity(positions: Array, quaternions: Array, fps: float) -> tuple[Ar
 
 def _rows(what: str, value: ArrayLike, size: int, unit: str) -> Array:
     try:
-        raw = np.asarray(value)
+        raw = as_array(value)
         ok = raw.dtype.kind in "fiu" and raw.ndim == 2 and raw.shape[1] == size and len(raw) > 0
         array = np.array(raw, dtype=np.float64) if ok else None
     except (TypeError, ValueError):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.short_repr import short_repr
 from halfphysics.results.inside import Breaches, Inside, deepest_first
 
 if TYPE_CHECKING:
@@ -40,6 +41,8 @@ class ContactRows:
     position: Array
     normal: Array
     impulse: Array
+
+    __repr__ = short_repr
 
 
 class Named(Protocol):

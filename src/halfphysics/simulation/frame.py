@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.short_repr import short_repr
 from halfphysics.motion.pose import Pose
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.results.inside import Depths
@@ -123,3 +124,5 @@ class State:
     axes: tuple[Array, ...]
     signature: str
     held: Mapping[str, Hold] = field(default_factory=dict)
+
+    __repr__ = short_repr

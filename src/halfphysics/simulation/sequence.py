@@ -6,7 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from halfphysics.base.in_notebook import InNotebook
+from halfphysics.base.short_repr import short_repr
 from halfphysics.motion.motion import Motion
+from halfphysics.results.moment import Figure, Moment, at_start
+from halfphysics.results.overview import scene_lines
 from halfphysics.settings import Settings
 
 if TYPE_CHECKING:
@@ -16,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Sequence:
+class Sequence(InNotebook):
     """What `simulate` takes, in one piece: from a data set or from `halfphysics.scenarios`.
 
     Attributes:
@@ -35,6 +39,8 @@ class Sequence:
     settings: Settings = field(default_factory=Settings)
     recorded: Mapping[str, ObjectTrack] = field(default_factory=dict)
 
+    __repr__ = short_repr
+
     @property
     def motions(self) -> tuple[Motion, ...]:
         """What each person wants to do, also where there is only one."""
@@ -46,6 +52,18 @@ class Sequence:
         if isinstance(self.body, tuple):
             return self.body
         return (self.body,) * len(self.motions)
+
+    def _notebook_moment(self) -> Moment:
+        from halfphysics.body.body import Body
+
+        people = tuple(
+            Figure(Body.default() if body is None else body, motion)
+            for motion, body in zip(self.motions, self.bodies, strict=True)
+        )
+        return Moment(people=people, scene=self.scene, objects=at_start(self.scene))
+
+    def _notebook_lines(self) -> list[str]:
+        return [*(repr(motion) for motion in self.motions), *scene_lines(self.scene)]
 
     def adapted(self, *, grip: bool = True) -> Sequence:
         """The sequence with every person's hands at what they hold (`halfphysics.adapt`).

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import TYPE_CHECKING, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics.base import progress as bars
+from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.motion.joint_groups import stiffness_of_motions, stiffness_over_time
 from halfphysics.simulation.argument_checks import (
     checked_people,
@@ -27,6 +30,8 @@ if TYPE_CHECKING:
     from halfphysics.scene.scene import Scene
     from halfphysics.settings import Settings
     from halfphysics.simulation.world import World
+
+logger = logging.getLogger(__name__)
 
 Array = NDArray[np.float64]
 #: lambda: one for all joints, by joint group or joint, or over time.
@@ -55,7 +60,7 @@ def simulate(
             (T, 55). Row t is that of the way to frame t, as if `Simulator.set_stiffness` were
             called before that step. None: `Settings.stiffness`, times `Motion.stiffness_scale`.
         allow_mismatch: Accept a body of another gender or model than the motion says.
-        progress: Show a progress bar on stderr where it is a terminal.
+        progress: Show progress bars (`halfphysics.progress`).
 
     Returns:
         `Result`: the corrected motions, the objects' motions, contacts, clearance. Where
@@ -67,8 +72,11 @@ def simulate(
     """
     motions, bodies = checked_people(motion, body, allow_mismatch=allow_mismatch)
     firmness = stiffness_over_time(stiffness, len(motions[0]), len(motions))
-    world = build_world(bodies, checked_scene(scene), checked_settings(settings))
-    return follow(world, motions, firmness, progress=progress)
+    clock = Stopwatch(logger)
+    with bars.asked(progress):
+        world = build_world(bodies, checked_scene(scene), checked_settings(settings))
+        clock.done("built the world of %d people and %d items", len(bodies), len(world.names))
+        return follow(world, motions, firmness)
 
 
 def follow(
@@ -89,7 +97,8 @@ def follow(
         stiffness: Firmness (T, people, 55) of every frame; None: by the settings and motions.
         progress: As of `simulate`.
     """
-    with progress_bar(len(motions[0]) - 1, progress) as bar:
+    count = len(motions[0]) - 1
+    with bars.asked(progress), bars.bar(count, "simulating", "frame") as bar:
         other_engine = world.settings.drive.follow  # a baseline that another engine runs
         if other_engine is not None:
             return cast("Result", other_engine(world, motions, stiffness, bar.update))
@@ -97,29 +106,10 @@ def follow(
             stiffness = stiffness_of_motions(world.stiffness, motions)
         world.reset([motion[0] for motion in motions])
         warn_of_start(world, motions, world.stepper.inside())
+        clock = Stopwatch(logger)
         run = record(world, motions, stiffness, bar.update)
+    clock.done("simulated %d frames of %d people", count, len(motions), count=count)
+    logger.debug("%r", world.settings)
     result = recorded_result(world, motions, run)
     warn_of_lost_time(result, stacklevel=3)
     return result
-
-
-class NoBar:
-    """A progress bar that does not show."""
-
-    def __enter__(self) -> NoBar:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        pass
-
-    def update(self, count: int) -> None:
-        """Nothing to draw."""
-
-
-def progress_bar(count: int, show: bool, unit: str = "frame") -> Any:
-    """A progress bar on stderr where that is a terminal, after two seconds, if it is to show."""
-    if not show:
-        return NoBar()
-    from tqdm import tqdm
-
-    return tqdm(total=count, unit=unit, delay=2.0, disable=None, leave=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -10,7 +11,9 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base import progress as bars
 from halfphysics.base.machine import cores
+from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.base.validation import is_whole, shown
 from halfphysics.errors import HalfPhysicsError, InputError
 from halfphysics.motion.joint_groups import stiffness_of_motions, stiffness_over_time
@@ -20,7 +23,7 @@ from halfphysics.simulation.jobs import Job, jobs_of
 from halfphysics.simulation.lost_time import warn_of_lost_time
 from halfphysics.simulation.recorded_result import recorded_result
 from halfphysics.simulation.recording import Recorder, core_firmness
-from halfphysics.simulation.simulate import follow, progress_bar
+from halfphysics.simulation.simulate import follow
 from halfphysics.simulation.start_warnings import warn_of_start
 
 if TYPE_CHECKING:
@@ -32,6 +35,8 @@ if TYPE_CHECKING:
     from halfphysics.simulation.sequence import Sequence as Story
     from halfphysics.simulation.simulate import Firmness
     from halfphysics.simulation.world import World
+
+logger = logging.getLogger(__name__)
 
 Array = NDArray[np.float64]
 
@@ -99,7 +104,7 @@ def simulate_many(
         threads: Number of threads; None: one per core that this process may use.
         errors: "raise": the error of the first job that fails is raised, with its number, and the
             others are dropped. "return": errors stand in the list in place of results.
-        progress: Show a progress bar of the jobs on stderr where it is a terminal.
+        progress: Show a progress bar of the jobs (`halfphysics.progress`).
 
     Returns:
         A `Result` for each job, in their order; with `errors="return"` a `Result` or an exception.
@@ -119,12 +124,14 @@ def simulate_many(
     if not todo:
         return []
     count = min(cores() if threads is None else int(threads), len(todo))
-    with progress_bar(len(todo), progress, unit="job") as bar:
+    clock = Stopwatch(logger)
+    with bars.asked(progress), bars.bar(len(todo), "simulating", "job") as bar:
         run = _Run(todo, count, allow_mismatch, bar.update)
         try:
             run.all(stop=errors == "raise")
         finally:
             run.close()
+    clock.done("simulated %d jobs in %d threads", len(todo), count, count=len(todo), unit="job")
     if errors == "raise" and run.failed:
         first = min(run.failed)
         raise _numbered(run.failed[first], first)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -10,9 +11,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics.base.arrays import scalar_of
+from halfphysics.base.in_notebook import InNotebook
+from halfphysics.base.short_repr import counted
+from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.errors import InputError
 from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.motion.pose import Pose
+from halfphysics.results.moment import Figure, Moment, at_start, standing_still, tracks
+from halfphysics.results.overview import scene_lines
 from halfphysics.simulation import holding, live_edits
 from halfphysics.simulation.argument_checks import (
     checked_bodies,
@@ -29,10 +36,12 @@ if TYPE_CHECKING:
     from halfphysics.scene.scene import Scene
     from halfphysics.settings import Settings
 
+logger = logging.getLogger(__name__)
+
 Array = NDArray[np.float64]
 
 
-class Simulator:
+class Simulator(InNotebook):
     """Half-physics, one frame at a time; the numbers are those of `simulate`.
 
     Args:
@@ -57,7 +66,9 @@ class Simulator:
         bodies = checked_bodies(body)
         scene, self.settings = checked_scene(scene), checked_settings(settings)
         self.dt = 1.0 / _positive("fps", fps)
+        clock = Stopwatch(logger)
         self.world = build_world(bodies, scene, self.settings)
+        clock.done("built the world of a simulator of %d items", len(self.world.names))
         self._axes: tuple[Array, ...] = tuple(np.eye(3) for _ in bodies)
         self._started = False
 
@@ -291,6 +302,51 @@ class Simulator:
         self._must_run("ray")
         return live_edits.ray(self.world, self._axes, origin, direction, ignore)
 
+    def __getstate__(self) -> dict[str, Any]:
+        """For copies and other processes: what the world is made of, and the state it is in."""
+        return {
+            "bodies": self.bodies,
+            "scene": self.world.made_of,
+            "settings": self.settings,
+            "dt": self.dt,
+            "axes": self._axes,
+            "state": self.get_state() if self._started else None,
+        }
+
+    def __setstate__(self, given: dict[str, Any]) -> None:
+        self.settings, self.dt, self._axes = given["settings"], given["dt"], given["axes"]
+        self.world = build_world(given["bodies"], given["scene"], given["settings"])
+        self._started = False
+        if given["state"] is not None:
+            self.set_state(given["state"])
+
+    def __repr__(self) -> str:
+        world = self.world
+        statics = len(world.made_of.statics)
+        return (
+            f"Simulator({counted(len(self.bodies), 'person', 'people')}, "
+            f"{counted(statics, 'static')}, {counted(len(world.tracked), 'object')}, "
+            f"{1.0 / self.dt:g} fps: "
+            f"{'running' if self._started else 'call reset(pose) first'})"
+        )
+
+    def _notebook_moment(self) -> Moment:
+        """People and things where they are now; before `reset` the scene alone, at its start."""
+        scene = self.world.made_of
+        if not self._started:
+            return Moment(scene=scene, objects=at_start(scene))
+        qpos = self.world.stepper.qpos()
+        people = tuple(
+            Figure(body, standing_still(Pose(*person.pose(qpos, axes), axes)))
+            for body, person, axes in zip(self.bodies, self.world.people, self._axes, strict=True)
+        )
+        poses = {place.name: place.pose(qpos) for place in self.world.tracked}
+        return Moment(people=people, scene=scene, objects=tracks(poses))
+
+    def _notebook_lines(self) -> list[str]:
+        held = [f"{name}: held by {part}" for name, (_, part) in self.held.items()]
+        return [*scene_lines(self.world.made_of), *held]
+
     # -- inside ----------------------------------------------------------------------------
 
     def _must_run(self, what: str) -> None:
@@ -334,7 +390,7 @@ class Simulator:
 
 def _positive(name: str, value: float) -> float:
     try:
-        number = float(value)
+        number = float(scalar_of(value))
     except (TypeError, ValueError):
         number = math.nan
     if not (math.isfinite(number) and number > 0.0):

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import logging
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.base.validation import number
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.results.contacts import Contacts
@@ -26,6 +28,8 @@ if TYPE_CHECKING:
     from halfphysics.body.body import Body
     from halfphysics.motion.motion import Motion
     from halfphysics.scene.scene import Scene
+
+logger = logging.getLogger(__name__)
 
 Array = NDArray[np.float64]
 
@@ -81,6 +85,7 @@ def support_of(
     if cutoff is not None:
         cutoff = number(cutoff, "support: cutoff", above=0.0, unit="Hz")
     scene = around.scene
+    clock = Stopwatch(logger)
     count, gravity = len(motion), np.array(scene.gravity)
     me = around.first_person + around.person
     names = tuple(name for i, name in enumerate(around.names) if i != me)
@@ -102,6 +107,7 @@ def support_of(
     pressure = _pressure(places, force, surfaces, names, weight)
     known = [names.index(around.names[i]) for i in givers]
     total, cop = _by_name(pressure, sides, known, (count, len(names)))
+    clock.done("estimated the support of %d frames", count, count=count)
     return Support(
         fps=motion.fps,
         mass=found.mass,

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.progress import over
 from halfphysics.body import skinning
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.support.skin_grid import SkinGrid, skin_grid
@@ -90,7 +91,7 @@ def find_patches(body: Body, motion: Motion, surfaces: Sequence[Surface]) -> Pat
     count = len(motion)
     frames = body.joint_frames(motion)
     found = [_none()]
-    for first in range(0, count, CHUNK):
+    for first in over(range(0, count, CHUNK), "supporting surfaces", "frame", size=CHUNK):
         last = min(first + CHUNK, count)
         low, high = max(first - step, 0), min(last + step, count)
         posed = _Posed(body, motion, frames, grid, slice(low, high))

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.copying import ReadOnly
 from halfphysics.base.suggestions import did_you_mean
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
@@ -37,6 +40,7 @@ class Pressure(Table):
 
     NAME: ClassVar[str] = "pressure"
     VECTORS: ClassVar[frozenset[str]] = frozenset({"position", "normal", "force"})
+    UNITS: ClassVar[Mapping[str, str]] = MappingProxyType({"position": "m", "force": "N"})
 
     frame: Ints
     vertex: Ints
@@ -48,7 +52,7 @@ class Pressure(Table):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Support:
+class Support(ReadOnly):
     """What holds a person up, in T frames: forces on the person, world frame.
 
     A residual is what no surface can supply: a motion whose residual is large is not possible

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import contextlib
 import html
+import logging
 import math
 import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from halfphysics.base import progress as bars
+from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.errors import InputError
 from halfphysics.render.result_meshes import Drawing
 from halfphysics.viewer.arrange import Arrangement, arrange
@@ -30,6 +33,8 @@ from halfphysics.viewer.theme import style
 if TYPE_CHECKING:
     from halfphysics.motion.motion import Motion
     from halfphysics.results.result import Result
+
+logger = logging.getLogger(__name__)
 
 #: A page plays at most this many frames per second; frames of faster results are skipped.
 MAX_FPS = 30.0
@@ -71,7 +76,7 @@ def save_page(
         max_fps: Most frames played per second; a faster result keeps every n-th frame.
         support: Also shows what holds the people up (`PersonResult.support`): pressure on the
             skin, forces, centres of pressure and of mass. Bodies are drawn as glass.
-        progress: Shows a progress bar on stderr.
+        progress: Show a progress bar (`halfphysics.progress`).
 
     Returns:
         The path written.
@@ -96,6 +101,7 @@ def save_page(
     drawings, fps = [Drawing(one) for one in results], results[0].fps
     step = max(1, math.ceil(fps / max_fps - 1e-9))
     frames = range(0, max(map(len, drawings)), step)
+    clock = Stopwatch(logger)
     with atomic_write(path) as file, _quiet_server() as server:
         row = arrange(drawings, _VIEW)
         stages, contacts = _build(server, drawings, row)
@@ -121,6 +127,7 @@ def save_page(
         page = page.replace("<head>", f"<head>{page_head(data)}", 1)
         page = with_first_picture(page, drawings, row)
         file.write(page.encode("utf-8"))
+    clock.done("wrote the page %s, %d frames", path, len(frames), count=len(frames))
     return Path(path)
 
 
@@ -133,7 +140,8 @@ def _recorded(
     progress: bool,
 ) -> tuple[str, bytes]:
     """The page of the first frame, and the recording of all frames."""
-    bar = _bar(len(frames), progress)
+    with bars.asked(progress):
+        bar = bars.bar(len(frames), "page", "frame")
     for stage in stages:
         stage.show(0)
     lights.follow(middle(stages))
@@ -149,12 +157,6 @@ def _recorded(
             bar.update()
     bar.close()
     return first, recorder.serialize()
-
-
-def _bar(total: int, progress: bool) -> Any:
-    from tqdm import tqdm
-
-    return tqdm(total=total, desc="page", unit="frame", disable=not progress)
 
 
 @contextlib.contextmanager

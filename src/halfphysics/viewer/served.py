@@ -11,6 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from typing import Any, Self
 
+from halfphysics.base.copying import Bound
 from halfphysics.viewer.address import announcement, url
 from halfphysics.viewer.server import close_server, open_server
 from halfphysics.viewer.site_root import SiteRoot
@@ -29,7 +30,7 @@ def _root() -> SiteRoot | None:
         return None
 
 
-class Served(ABC):
+class Served(Bound, ABC):
     """A scene served to browsers until `stop`, or the end of a `with` block.
 
     One thread owns the scene; tasks of other threads wait until it has made its frame.
@@ -47,6 +48,7 @@ class Served(ABC):
         HalfPhysicsError: An invalid host or port, no port is free, viser is missing.
     """
 
+    _WHY = "it serves pages from a thread of this process; show the result over there"
     #: Start of the announcement, before "at" and the address.
     _what: str
     #: Height in a notebook [pixels].

@@ -34,6 +34,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.progress import over
 from halfphysics.formats.positions.first_guess import first_guess, rigid
 from halfphysics.formats.positions.joint_priors import MEANS, WEIGHTS
 from halfphysics.motion.skeleton import N_JOINTS, PARENTS
@@ -112,7 +113,9 @@ def solve(
             world[:, joint] = rigid(tree.offsets[below], seen[:, below] - seen[:, [joint]])
     pelvis = np.array(seen[:, 0])
     errors = np.empty(positions.shape[:2])
-    for start in range(0, len(positions), _CHUNK):
+    for start in over(
+        range(0, len(positions), _CHUNK), "rotations of positions", "frame", size=_CHUNK
+    ):
         rows = slice(start, start + _CHUNK)
         for _ in range(_STEPS):
             _step(tree, seen[rows], world[rows], pelvis[rows], precision)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import logging
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base.axes import turned
 from halfphysics.base.npz import Npz
+from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.base.validation import file_path, shown
 from halfphysics.baselines.options import OPTIONS, from_options
 from halfphysics.errors import FileError, InputError
@@ -49,6 +51,8 @@ if TYPE_CHECKING:
     from halfphysics.body.body import Body
     from halfphysics.scene.scene import Scene
 
+logger = logging.getLogger(__name__)
+
 Array = NDArray[np.float64]
 Fields = dict[str, NDArray[Any]]
 T = TypeVar("T", bound=Table)
@@ -77,6 +81,7 @@ def load_result(
     body: Body | tuple[Body, ...] | list[Body] | None = None,
 ) -> Result:
     """Implements `Result.load`; see there."""
+    clock = Stopwatch(logger)
     path = file_path(path)
     if scene is not None:
         _check_scene(scene)
@@ -110,7 +115,9 @@ def load_result(
         raise FileError(f"{path}: {error}") from None
     bodies = None if body is None else _given(body, len(people))
     try:
-        return _read(npz, people, scene, bodies)
+        result = _read(npz, people, scene, bodies)
+        clock.done("loaded %s: %r", path, result)
+        return result
     except InputError as error:
         raise FileError(f"{path}: {error}") from None
 

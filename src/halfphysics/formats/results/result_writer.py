@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import os
 from collections.abc import Mapping
 from typing import Any
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.npz import write_npz
+from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.baselines.options import options_of
 from halfphysics.formats.amass import smpl as amass_smpl
 from halfphysics.formats.amass import smplh as amass_smplh
@@ -34,6 +36,8 @@ from halfphysics.results.result import ObjectTrack, PersonResult, Result
 from halfphysics.results.table import Table
 from halfphysics.settings import Settings
 
+logger = logging.getLogger(__name__)
+
 Fields = dict[str, NDArray[Any]]
 
 _LAYOUTS = {
@@ -45,7 +49,9 @@ _LAYOUTS = {
 
 def save_result(result: Result, path: str | os.PathLike[str]) -> None:
     """Implements `Result.save`; see there."""
+    clock = Stopwatch(logger)
     write_npz(path, result_fields(result))
+    clock.done("saved %s, %d frames", path, len(result))
 
 
 def result_fields(result: Result) -> Fields:

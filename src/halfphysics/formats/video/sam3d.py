@@ -20,6 +20,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.arrays import as_array
 from halfphysics.base.reader_warnings import warn
 from halfphysics.body.body import Body
 from halfphysics.errors import FileError
@@ -40,7 +41,6 @@ from halfphysics.formats.video.sam3d_file import (
 )
 from halfphysics.formats.video.sam3d_fit import Fitted, fitted
 from halfphysics.motion.motion import Motion
-from halfphysics.motion.smplx_names import to_numpy
 
 Array = NDArray[np.float64]
 
@@ -95,7 +95,7 @@ def _checked(source: Source, sighting: Sighting) -> dict[str, Array]:
         if key not in fields:
             continue
         try:
-            array = np.asarray(to_numpy(fields[key]))
+            array = as_array(fields[key])
         except (TypeError, ValueError, MemoryError):
             array = np.empty(0, dtype=object)
         squeezed = array.reshape(shape) if array.size == np.prod(shape) else array

@@ -26,12 +26,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.arrays import as_array
 from halfphysics.base.npz import Npz
 from halfphysics.base.npz_objects import NpzObjects
 from halfphysics.errors import FileError
 from halfphysics.formats.estimates import files_in
 from halfphysics.formats.format import Source
-from halfphysics.motion.smplx_names import to_numpy
 
 JOINTS, POINTS, CAMERA = "pred_joint_coords", "pred_keypoints_3d", "pred_cam_t"
 #: What else such a dict has.
@@ -137,7 +137,7 @@ def _in_frames(where: str, content: Any) -> Iterator[Sighting]:
 def _array(value: Any) -> NDArray[Any]:
     """An array of anything; lists of different lengths are an array of no numbers."""
     try:
-        return to_numpy(value)
+        return as_array(value)
     except (MemoryError, OverflowError, TypeError, ValueError):
         return np.empty(0, dtype=object)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import os
 from collections.abc import Iterator, Sequence
@@ -12,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base import progress as bars
+from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.base.validation import file_path, is_whole, shown
 from halfphysics.errors import InputError
 from halfphysics.render.film import encoding
@@ -20,6 +23,8 @@ from halfphysics.render.film.options import MAX_FPS, FilmOptions
 
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
+
+logger = logging.getLogger(__name__)
 
 Array = NDArray[np.float64]
 Picture = NDArray[np.uint8]
@@ -54,7 +59,7 @@ def save_film(
         path: The file; whole or not at all.
         options: Cameras, size, speed etc.; None: `FilmOptions()`.
         threads: Worker threads; the film does not depend on it. None: one per core.
-        progress: Shows a progress bar on stderr.
+        progress: Show a progress bar (`halfphysics.progress`).
 
     Returns:
         The path written.
@@ -77,10 +82,12 @@ def save_film(
     rate = film_rate(shown_results, options, suffix)
     encoding.check_film(suffix, options.pixels(len(shown_results)), rate)
     times = film_times(shown_results, options, rate)
+    clock = Stopwatch(logger)
     with atomic_path(path) as temporary:  # refuse an impossible path before rendering
         frames = [times * result.fps for result in shown_results]
         shoot = Shoot(shown_results, options, frames, rate=rate, times=times.tolist())
-        pictures = _with_bar(shoot, count, progress)
+        with bars.asked(progress):
+            pictures = _with_bar(shoot, count, bars.bar(len(shoot), "film", "frame"))
         if suffix == ".gif":
             from halfphysics.render.viewpoint import spread
 
@@ -91,6 +98,7 @@ def save_film(
             with encoding.encoder(temporary, suffix, shoot.size, rate) as write:
                 for picture in pictures:
                     write(picture)
+    clock.done("filmed %s, %d pictures", path, len(times), count=len(times), unit="picture")
     return path
 
 
@@ -215,10 +223,7 @@ def _checked_frame(frame: int, total: int) -> int:
     return int(frame) % total
 
 
-def _with_bar(shoot: Shoot, threads: int, progress: bool) -> Iterator[Picture]:
-    from tqdm import tqdm
-
-    bar = tqdm(total=len(shoot), desc="film", unit="frame", disable=not progress)
+def _with_bar(shoot: Shoot, threads: int, bar: Any) -> Iterator[Picture]:
     with bar:
         for picture in shoot.pictures(threads):
             yield picture

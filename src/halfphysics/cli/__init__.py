@@ -8,7 +8,6 @@ depend on its first argument, the file has a function `read` instead.
 from __future__ import annotations
 
 import importlib
-import re
 import sys
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -16,6 +15,7 @@ from types import MappingProxyType
 from typing import Any
 
 from halfphysics.base.suggestions import did_you_mean
+from halfphysics.cli.wording import Voice, options_of, speak_as, spoken
 from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning, InputError
 
 #: Command -> description in one line. The module of the same name in this package implements it.
@@ -66,7 +66,7 @@ def guarded(run: Callable[[], int], program: str = "halfphysics") -> int:
         try:
             return run()
         except HalfPhysicsError as error:
-            print(f"{program}: error: {_as_options(str(error))}", file=sys.stderr)
+            print(f"{program}: error: {spoken(str(error))}", file=sys.stderr)
             return MISTAKE
         except KeyboardInterrupt:
             return INTERRUPTED
@@ -95,6 +95,8 @@ def _run(arguments: list[str]) -> int:
     from halfphysics.cli.parsing import Exit, parse
 
     module: Any = importlib.import_module(f"{__name__}.{name}")
+    if hasattr(module, "Command"):
+        speak_as(lambda: Voice(options_of(module.Command), plan=name == "sweep"))
     if hasattr(module, "read"):
         command = module.read(f"halfphysics {name}", rest)
     else:
@@ -125,19 +127,6 @@ def _overview() -> str:
     )
 
 
-def _as_options(message: str) -> str:
-    """A message of the package with its arguments (fps=30) written as options (--fps 30)."""
-    message = message.replace("frames=(start, stop)", "--frames START:STOP")
-    message = message.replace("motion alone with Motion.load", "motion alone with --objects none")
-    message = re.sub(r"\b(ground|adapt|grip)=False\b", r"--no-\1", message)
-    message = re.sub(r"(?<![\w-])(up|floor)='?(-?\w+)'?", r"--\1=\2", message)
-    return re.sub(
-        r"(?<![\w-])(fps|hands|model|gender|clip|assets|body|format)=(?:'([^']*)'|(\d[\w.]*))?",
-        lambda found: f"--{found[1]} {found[2] or found[3] or ''}".rstrip(),
-        message,
-    )
-
-
 def _show_warning(other: Any, program: str) -> Any:
     """A handler that prints our warnings and passes other warnings to `other`.
 
@@ -146,7 +135,7 @@ def _show_warning(other: Any, program: str) -> Any:
 
     def show(message: Any, category: type[Warning], *rest: Any, **named: Any) -> None:
         if issubclass(category, HalfPhysicsWarning):
-            text = _as_options(str(message))
+            text = spoken(str(message))
             text = text if len(text) <= _LONG else text.replace("; ", "\n  ")
             print(f"{program}: warning: {text}", file=sys.stderr)
         else:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from halfphysics.cli.options import BodyOptions, MotionOptions, check_output
+from halfphysics.cli.wording import spoken
 from halfphysics.errors import InputError
 
 if TYPE_CHECKING:
@@ -77,7 +78,7 @@ class Command:
             body = self._body(motion, result, writer.needs_body)
             motion.save(self.target, format=self.format, body=body)
             for loss in losses(motion, self.target, self.format):
-                print(f"not in the file: {loss}")
+                print(f"not in the file: {spoken(loss)}")
         print(f"{motion}\nwritten: {self.target}")
 
     def _body(self, motion: Motion, result: Result | None, needed: bool = False) -> Body | None:

@@ -15,6 +15,7 @@ import tyro
 from halfphysics.base.suggestions import did_you_mean
 from halfphysics.cli.options import BaselineOptions, check_output, progress
 from halfphysics.cli.parsing import Exit, parse
+from halfphysics.cli.wording import Voice, options_of, speak_as
 from halfphysics.errors import InputError
 from halfphysics.settings import Settings
 
@@ -136,6 +137,8 @@ def overview() -> str:
 
 def _play(prog: str, name: str, arguments: list[str]) -> Play | Exit:
     from halfphysics import scenarios
+
+    speak_as(lambda: Voice(options_of(_command(name, Settings()))))
 
     def parsed(settings: Settings) -> Any:
         return parse(_command(name, settings), prog, EXAMPLES, arguments)

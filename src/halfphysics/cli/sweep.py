@@ -16,6 +16,7 @@ import tyro
 
 from halfphysics.base.validation import number
 from halfphysics.cli.parsing import Exit, parse
+from halfphysics.cli.wording import spoken
 from halfphysics.errors import HalfPhysicsError, InputError
 
 if TYPE_CHECKING:
@@ -121,7 +122,7 @@ class Command:
         from halfphysics.sweep.store.fixed_plan import check_plan
 
         check_plan(folder, plan)
-        print(verify(folder, count))
+        print(spoken(str(verify(folder, count))))
 
     def _sweep(self, plan: Plan, folder: Path) -> None:
         from halfphysics.sweep.report.summary import summary
@@ -148,7 +149,7 @@ class Command:
                 raise
             except SweepError as error:
                 raise SweepError(f"{error}\n{self._how_far(progress)}") from None
-        print(summary(report))
+        print(spoken(summary(report)))
         if report.failures and not report.samples:
             raise SweepError(
                 f"{folder}: no sample came of it, {report.failures} variants failed. See "

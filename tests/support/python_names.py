@@ -19,8 +19,11 @@ def _pattern() -> re.Pattern[str]:
     public = [name for name in hp.__all__ if name[0].isupper() or "_" in name.strip("_")]
     raised = [name for name, _ in inspect.getmembers(errors, inspect.isclass)]
     names = "|".join(sorted({*public, *raised}, key=len, reverse=True))
+    classes = "|".join(name for name in public if name[0].isupper() and "_" not in name)
     return re.compile(
-        rf"\b(?:{names})\b(?!-)"  # classes and functions of the package
+        # classes and functions of the package; a capital at the beginning of a sentence is none
+        rf"\b(?!(?:{classes})\b)(?:{names})\b|(?<!\A)(?<!\. )\b(?:{classes})\b(?!-)"
+        rf"|\b(?:{classes})\.\w"
         r"|\b(?:None|True|False)\b|\b\w*Path\(|<class |\barray\(|\bdtype\("
         r"|\bhp\.\w|\bhalfphysics\.[A-Za-z]\w|\b[A-Z]{2,}_[A-Z]{3,}\w*S\b"
         r"|\b(?:motion|body|scene|result|self)\.\w+\(|\badd_(?:static|object|moving)\b"

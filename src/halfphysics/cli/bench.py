@@ -29,7 +29,7 @@ _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 @dataclass(frozen=True, kw_only=True)
 class Command:
-    """Measure speed on one core: ours, ours with contact=parts, and the peer, timed in turns.
+    """Measure speed on one core: ours, ours with contact by parts, and the baseline, in turns.
 
     Ratios are medians over the runs of each turn; over 1 ours is faster.
     Rates are of this machine and of what else it does now. docs/benchmarks.md says more.

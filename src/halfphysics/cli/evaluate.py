@@ -8,7 +8,14 @@ from typing import Annotated
 
 import tyro
 
-from halfphysics.cli.options import BodyOptions, File, MotionOptions, SceneOptions, progress
+from halfphysics.cli.options import (
+    BodyOptions,
+    File,
+    MotionOptions,
+    SceneOptions,
+    check_output,
+    progress,
+)
 from halfphysics.errors import InputError
 
 EXAMPLES = """\
@@ -42,6 +49,8 @@ class Command:
         from halfphysics.formats.results.result_file import is_result
         from halfphysics.motion.motion import Motion
 
+        if self.json is not None:
+            check_output(self.json, self.file, self.reference)
         scene = self.scene.load() if self.scene.given else None
         if is_result(self.file):
             self._result(scene)

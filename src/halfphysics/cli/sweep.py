@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import tyro
 
 from halfphysics.base.validation import number
+from halfphysics.cli.loudness import is_quiet
 from halfphysics.cli.parsing import Exit, parse
 from halfphysics.cli.wording import spoken
 from halfphysics.errors import HalfPhysicsError, InputError
@@ -130,7 +131,7 @@ class Command:
         from halfphysics.sweep.run.progress import Progress
         from halfphysics.sweep.store.store import Store
 
-        progress = Progress()
+        progress = Progress(False, lambda line: None) if is_quiet() else Progress()
         with contextlib.ExitStack() as stack:
             stack.enter_context(_ended_like_by_ctrl_c())
             store = stack.enter_context(Store(folder, plan, remake=self.remake))

@@ -266,18 +266,14 @@ _WORDS = _compiled(
         r"\ba mujoco\.MjSpec": "a model of MuJoCo",
         r"trimesh\.Trimesh": "mesh",
         r"\bhalfphysics\.Settings\b": "settings",
-        r"\bBody\b": "body",
-        r"\bScene\b": "scene",
-        r"\bMotion\b(?!-)": "motion",
-        r"\bPose\b": "pose",
-        r"\bResult\b": "result",
-        r"\bSequence\b": "sequence",
-        r"\bPlane\b": "plane",
-        r"\bBox\b": "box",
-        r"\bSphere\b": "sphere",
-        r"\bCapsule\b": "capsule",
-        r"\bCylinder\b": "cylinder",
-        r"\bMesh\b": "mesh",
+        # a capital at the beginning of a sentence is no name
+        **{
+            rf"(?<!\A)(?<!\. )\b{name}\b(?!-)": name.lower()
+            for name in (
+                *("Body", "Scene", "Motion", "Pose", "Result", "Sequence", "Plane", "Box"),
+                *("Sphere", "Capsule", "Cylinder", "Mesh"),
+            )
+        },
         r"\bNone\b": "none",
         r"\bTrue\b": "true",
         r"\bFalse\b": "false",

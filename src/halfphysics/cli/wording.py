@@ -146,7 +146,7 @@ _NAMES = "|".join(sorted((_OF_FILES - {"mass"}) | set(_OTHERS.split()), key=len,
 _LEADING = re.compile(rf"^(?:{_NAMES}|mass|camera|speed|start|end|layout|samples)(?=:| is )")
 
 _VALUE = r"""'([^']*)'|"([^"]*)"|(-?\d[\w.]*|None|[A-Z][A-Z_]+\b)"""
-_ARGUMENT = re.compile(rf"(?<![\w.-])({_NAMES})=(?!=)(?:{_VALUE})?")
+_ARGUMENT = re.compile(rf"(?<![\w.,-])({_NAMES})=(?!=)(?:{_VALUE})?")
 _FLAG = re.compile(
     r"(?<![\w.-])(ground|adapt|grip|weight|joint_limits|allow_mismatch)=(True|False)\b"
 )
@@ -227,6 +227,13 @@ _PHRASES = _compiled(
         r"start='asleep'": "start: asleep",
         r"or give mass= and com=": "or give mass and com",
         r"give mass= and com=": "give mass and com",
+        r"Then say scale=([\d.e-]+)": (
+            r"Then say so: --static NAME=FILE,scale=\1, or scale: \1 in the scene file"
+        ),
+        r"is ([yz]) up\? Then say up='[yz]' \(up='([yz])': it is right\)": (
+            r"is \1 up? Then say so: --static NAME=FILE,up=\1, or up: \1 in the scene file (up \2: "
+            "it is right)"
+        ),
         # baselines
         r"^Torque(?=: )": "torque",
         r"^Positions(?=: )": "positions",

@@ -17,7 +17,9 @@ FRAMES = 127
 
 @pytest.fixture
 def clip(tmp_path):
-    motion = hp.Motion(np.full((FRAMES, 3), (0.0, 0.0, 0.9)), np.zeros((FRAMES, 55, 3)), 30.0)
+    rotations = np.zeros((FRAMES, 55, 3))
+    rotations[:, 0, 0] = np.pi / 2  # upright
+    motion = hp.Motion(np.full((FRAMES, 3), (0.0, 0.0, 0.9)), rotations, 30.0)
     motion.save(tmp_path / "walk.npz")
     return tmp_path / "walk.npz"
 

@@ -83,7 +83,10 @@ class Command:
             motion.save(self.target, format=self.format, body=body)
             for loss in losses(motion, self.target, self.format):
                 print(f"not in the file: {spoken(loss)}")
-        print(f"{motion}\nwritten: {self.target}")
+        print(
+            f"{len(motion)} frames at {motion.fps:g} fps, {motion.model} {motion.gender}\n"
+            f"written: {self.target}"
+        )
 
     @contextlib.contextmanager
     def _rate_said(self) -> Iterator[None]:

@@ -220,7 +220,10 @@ NAN[3, 5] = np.nan
 
 MISTAKES = {
     "missing file": (["nofile.npz"], r"nofile\.npz: no such file"),
-    "wrong keys": (["keys.npz"], r"keys\.npz: no known motion format.*something.*Expected.*poses"),
+    "wrong keys": (
+        ["keys.npz"],
+        r"keys\.npz: no known motion format.*something.*halfphysics formats",
+    ),
     "a field missing": (["notrans.npz"], r"notrans\.npz: field 'trans' is missing.*expected trans"),
     "NaN": (["nan.npz"], r"nan\.npz: field 'poses': 1 values are NaN.*frame 3.*expected finite"),
     "one frame": (["one.npz"], r"one\.npz.*found 1 frame.*expected at least 2.*Repeat"),

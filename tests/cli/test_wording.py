@@ -104,6 +104,16 @@ def test_every_exception_is_needed():
         ("one is put there (ground=False: none)", "one is put there (--no-ground: none)"),
         ("a Plane has no volume, expected Box", "a plane has no volume, expected box"),
         ("fps: found -1, expected", "--fps: found -1, expected"),
+        (
+            "Settings.strength is {'arms': 40.0, 'legs': 1.5}; expected None without drive_time",
+            "--strength is arms=40,legs=1.5; expected none without --drive-time",
+        ),
+        (
+            "a.txt: no known motion format. Found a file that begins with b'a: [1]\\n'. Expected "
+            "one of: bvh: text; gltf: a 'skin'",
+            "a.txt: no known motion format. Found a file that begins with 'a: [1]\\n'. Expected "
+            "a motion file; halfphysics formats lists those that are read",
+        ),
         ("say motion.resample(20)", "say --to-fps 20 of halfphysics convert"),
     ],
 )

@@ -120,7 +120,7 @@ def _run(arguments: list[str]) -> int:
         print(f"halfphysics {__version__}")
         return 0
     if name not in COMMANDS:
-        hint = did_you_mean(name, COMMANDS)
+        hint = did_you_mean(name, COMMANDS, otherwise=".")
         raise InputError(
             f"unknown command {name!r}{hint} Expected one of {', '.join(COMMANDS)}. "
             "halfphysics --help explains them"

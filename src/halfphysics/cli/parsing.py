@@ -114,7 +114,7 @@ def _plainly(said: str) -> str:
     said = re.sub(r"^Error parsing [a-z_]+: ", "", said)
     said = re.sub(r"^Error parsing (\S+): ", r"\1: ", said)
     if found := re.match(r"Missing value for argument '(\S+?)'", said):
-        return f"{found[1]} needs a value"
+        return f"{found[1].split('/')[-1]} needs a value"
     if said.startswith("Unrecognized options: "):
         words = said.removeprefix("Unrecognized options: ").split(", ")
         wrong = [word for word in words if word.startswith("-")]

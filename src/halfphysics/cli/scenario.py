@@ -82,7 +82,7 @@ def read(prog: str, arguments: Several[str]) -> Play | Exit:
         )
     name, *rest = arguments
     if name not in scenarios.names():
-        hint = did_you_mean(name, scenarios.names())
+        hint = did_you_mean(name, scenarios.names(), otherwise=".")
         raise InputError(
             f"unknown scenario {name!r}{hint} Expected one of {', '.join(scenarios.names())}. "
             f"{prog} --list explains them"

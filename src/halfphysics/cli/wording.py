@@ -75,6 +75,7 @@ def words_of(message: str, voice: Voice) -> str:
     """A message of the package as `voice` says it."""
     for pattern, text in _PHRASES:
         message = _outside(message, pattern, text)
+    message = _outside(message, _MAPPING, _joined)
     message = _outside(message, _FIELD, lambda found: voice.named(_of_baseline(found[1])))
     message = _outside(message, _FLAG, lambda found: voice.named(found[1], found[2]))
     message = _outside(
@@ -83,12 +84,20 @@ def words_of(message: str, voice: Voice) -> str:
         lambda found: voice.named(found[1], found[2] or found[3] or found[4] or ""),
     )
     if not voice.plan:
+        message = _outside(message, _BARE, lambda found: _bare(found[0], voice))
         message = _LEADING.sub(
-            lambda found: voice.named(found[0]) if found[0] in voice.options else found[0], message
+            lambda found: (
+                voice.named(found[0]) if found[0] in set(voice.options) - _POSITIONAL else found[0]
+            ),
+            message,
         )
     for pattern, text in _WORDS:
         message = _outside(message, pattern, text)
     return message
+
+
+def _bare(name: str, voice: Voice) -> str:
+    return voice.named(name) if name in voice.options else name
 
 
 def _outside(message: str, pattern: re.Pattern[str], text: Any) -> str:
@@ -143,7 +152,11 @@ _OTHERS = (
     "torque_damping scene static object ground reference grounded size"
 )
 _NAMES = "|".join(sorted((_OF_FILES - {"mass"}) | set(_OTHERS.split()), key=len, reverse=True))
-_LEADING = re.compile(rf"^(?:{_NAMES}|mass|camera|speed|start|end|layout|samples)(?=:| is )")
+#: Fields of commands that are given by their place, without a name.
+_POSITIONAL = frozenset(["motion", "motions", "file", "files", "what", "plan", "source", "target"])
+#: A name of Python's with an underscore, which may be that of an option.
+_BARE = re.compile(r"(?<![\w.\[{-])[a-z]+(?:_[a-z]+)+(?![\w(.=:])")
+_LEADING = re.compile(r"^\w+(?=:| is )")
 
 _VALUE = r"""'([^']*)'|"([^"]*)"|(-?\d[\w.]*|None|[A-Z][A-Z_]+\b)"""
 _ARGUMENT = re.compile(rf"(?<![\w.,-])({_NAMES})=(?!=)(?:{_VALUE})?")
@@ -154,6 +167,16 @@ _SETTINGS = (
     "Settings|Ablation|Torque|Positions|Interpolated|Kinematic|EngineKinematic|EngineVelocity"
 )
 _FIELD = re.compile(rf"(?<!\w)(?:halfphysics\.|hp\.)?(?:{_SETTINGS})\.(\w+)(?!\()")
+
+
+#: A mapping as Python writes it.
+_MAPPING = re.compile(r"\{(?:'\w+': [-+.\de]+(?:, )?)+\}")
+
+
+def _joined(found: re.Match[str]) -> str:
+    """A mapping as options give it: arms=40,legs=0.2."""
+    pairs = re.findall(r"'(\w+)': ([-+.\de]+)", found[0])
+    return ",".join(f"{name}={float(number):g}" for name, number in pairs)
 
 
 def _of_baseline(name: str) -> str:
@@ -187,6 +210,10 @@ _PHRASES = _compiled(
             "a mesh for a scene is read with --static NAME=FILE"
         ),
         r"Load it with Body\.load": "Give it with --body",
+        r"(no known motion format\. Found (?s:.*?))\. Expected one of: .*": (
+            r"\1. Expected a motion file; halfphysics formats lists those that are read"
+        ),
+        r"begins with b'((?:[^'\\]|\\.)*)'": r"begins with '\1'",
         r"Sequence\.body is None\b": "It has no body of its own",
         r"It has no body of its own, for": "the person has no body, for",
         # bodies

@@ -109,7 +109,7 @@ def _chosen(plan: Plan, variants: Variants) -> Iterator[Variant]:
     if len(variants) <= MOST:
         yield from variants
         return
-    grounds = []
+    grounds: list[Variant] = []
     for variant in map(variants.__getitem__, variants.sample(8 * _GROUNDS)):
         at = variant.input.name, variant.body.name, variant.scene.name
         if at not in [(v.input.name, v.body.name, v.scene.name) for v in grounds]:

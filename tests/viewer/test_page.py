@@ -161,7 +161,7 @@ def test_the_page_says_what_hands_held(tmp_path):
     text = save_page(result, tmp_path / "a.html").read_text(encoding="utf-8")
     key = json.loads(re.search(r"key.innerHTML = (\".*\");", text)[1])
     (line,) = re.findall(r"<div>([^<]*)</div>", key)
-    assert html.unescape(line).startswith("holds ball with left hand, 0.1 to 0.5 s: 40 N asked")
+    assert html.unescape(line).startswith("holds ball with left hand, 0.1 to 0.5 s: 40 N required")
     assert "not lifted: 0.10 of 0.40 m" in line
 
 

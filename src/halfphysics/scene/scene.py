@@ -226,7 +226,7 @@ class Scene:
             InputError: An impossible value. FileError: A mesh file that cannot be used.
         """
         item = build_kinematic(
-            checked_name(self, name, "moving thing"),
+            checked_name(self, name, "kinematic object"),
             shape,
             positions,
             quaternions,

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from halfphysics.scene.scene import Scene
     from halfphysics.settings import Settings
     from halfphysics.simulation.sequence import Sequence as Story
-    from halfphysics.simulation.simulate import Firmness
+    from halfphysics.simulation.simulate import Stiffness
     from halfphysics.simulation.world import World
 
 Array = NDArray[np.float64]
@@ -50,7 +50,7 @@ def simulate_many(
     *,
     body: Body | Sequence[Body | Sequence[Body] | None] | None = None,
     settings: Settings | Sequence[Settings | None] | None = None,
-    stiffness: Firmness | Sequence[Firmness | None] | None = None,
+    stiffness: Stiffness | Sequence[Stiffness | None] | None = None,
     allow_mismatch: bool = False,
     threads: int | None = None,
     errors: Literal["raise"] = "raise",
@@ -63,7 +63,7 @@ def simulate_many(
     *,
     body: Body | Sequence[Body | Sequence[Body] | None] | None = None,
     settings: Settings | Sequence[Settings | None] | None = None,
-    stiffness: Firmness | Sequence[Firmness | None] | None = None,
+    stiffness: Stiffness | Sequence[Stiffness | None] | None = None,
     allow_mismatch: bool = False,
     threads: int | None = None,
     errors: Literal["return"],
@@ -75,7 +75,7 @@ def simulate_many(
     *,
     body: Body | Sequence[Body | Sequence[Body] | None] | None = None,
     settings: Settings | Sequence[Settings | None] | None = None,
-    stiffness: Firmness | Sequence[Firmness | None] | None = None,
+    stiffness: Stiffness | Sequence[Stiffness | None] | None = None,
     allow_mismatch: bool = False,
     threads: int | None = None,
     errors: str = "raise",

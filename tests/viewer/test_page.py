@@ -140,8 +140,8 @@ def test_the_page_says_what_it_shows_and_nothing_in_a_title_runs(tmp_path):
     key = json.loads(re.search(r"key.innerHTML = (\".*\");", text)[1])
     assert key.startswith(f"<b>{html.escape(title)}</b>")
     assert [html.unescape(e) for e in re.findall(r"</i>([^<]*)</span>", key)] == [
-        "asked for",
-        "with a body",
+        "reference",
+        "simulated",
         "force by the scene",
         "by an object",
         "on an object",

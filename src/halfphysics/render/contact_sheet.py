@@ -284,7 +284,7 @@ def compose(
             text = _fitted(draw, text, font, size[0] - 4)
             draw.text((x + 2, y + size[1] + 4 + row * line), text, fill=ink, font=font)
     x, y = _MARGIN + 2, height - _MARGIN - line + 4
-    for text, color in (("as asked for", GHOST), ("with a body", PEOPLE[0])):
+    for text, color in (("reference", GHOST), ("simulated", PEOPLE[0])):
         draw.rectangle([x, y + 1, x + _TEXT - 2, y + _TEXT - 1], fill=_bytes(color))
         draw.text((x + _TEXT + 4, y), text, fill=_INK, font=font)
         x += _TEXT + 28 + int(draw.textlength(text, font=font))

@@ -102,7 +102,7 @@ def _key(
     """HTML of the title, the meaning of the colours, the notes, and what hands held."""
     people = max(len(drawing.result.people) for drawing in drawings)
     bodies = [PEOPLE[k % len(PEOPLE)] for k in range(people)]
-    entries = [([GHOST], "asked for"), (bodies, "with a body" if people == 1 else "with bodies")]
+    entries = [([GHOST], "reference"), (bodies, "simulated")]
     for k, kind in enumerate(contacts):
         label = KINDS[kind].label.removeprefix("on a person, ")
         entries.append(([KINDS[kind].color], label if k else f"force {label}"))

@@ -83,7 +83,7 @@ class Shoot:
         drawings = [Drawing(cast(Any, sampled(r, f))) for r, f in zip(results, frames, strict=True)]
         self._count = len(frames[0])
         self._views = _views(drawings, options, places, rate)
-        key = (("asked for", GHOST), ("with a body", PEOPLE[0])) if options.ghost else ()
+        key = (("reference", GHOST), ("simulated", PEOPLE[0])) if options.ghost else ()
         self._overlay = Overlay(
             self.size,
             [view.place for view in self._views],

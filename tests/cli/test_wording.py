@@ -132,11 +132,12 @@ def test_a_plan_has_keys_in_place_of_options():
         "found 'up=q', expected",
         "object 'Box=box:1:1:1,up=None': key",
         "rooms/up=y/Motion.npz: no such file",
+        "a file of SAM 3D Body, HY-Motion or Motion-X",
         "expected mass= [kg] or density= [kg/m^3], found both",
     ],
 )
 def test_what_a_user_wrote_stays(text):
-    """Quoted, or a path; keys of an object are no options."""
+    """Quoted, or a path; keys of an object are no options, names of projects no classes."""
     assert words_of(text, SIMULATE) == text
 
 

@@ -22,7 +22,7 @@ def _pattern() -> re.Pattern[str]:
     classes = "|".join(name for name in public if name[0].isupper() and "_" not in name)
     return re.compile(
         # classes and functions of the package; a capital at the beginning of a sentence is none
-        rf"\b(?!(?:{classes})\b)(?:{names})\b|(?<!\A)(?<!\. )\b(?:{classes})\b(?!-)"
+        rf"\b(?!(?:{classes})\b)(?:{names})\b|(?<!\A)(?<!\. )(?<!3D )(?<![-\w])(?:{classes})\b(?!-)"
         rf"|\b(?:{classes})\.\w"
         r"|\b(?:None|True|False)\b|\b\w*Path\(|<class |\barray\(|\bdtype\("
         r"|\bhp\.\w|\bhalfphysics\.[A-Za-z]\w|\b[A-Z]{2,}_[A-Z]{3,}\w*S\b"

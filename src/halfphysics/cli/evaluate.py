@@ -76,7 +76,9 @@ class Command:
         from halfphysics.motion.motion import Motion
         from halfphysics.results.result import Result
 
-        result = Result.load(self.file, scene=scene)  # type: ignore[arg-type]
+        # A model file that has moved is given anew, for the result cannot be read without.
+        body = self.person.load(Motion.load(self.file)) if self.person.given else None
+        result = Result.load(self.file, scene=scene, body=body)  # type: ignore[arg-type]
         people = list(result.people)
         if self.person.given or self.person.mass is not None:
             bodies = [self.person.instead_of(p.body, p.motion) for p in people]

@@ -300,9 +300,9 @@ _WORDS = _compiled(
         r"\ba mujoco\.MjSpec": "a model of MuJoCo",
         r"trimesh\.Trimesh": "mesh",
         r"\bhalfphysics\.Settings\b": "settings",
-        # a capital at the beginning of a sentence is no name
+        # a capital at the beginning of a sentence is no name, nor is SAM 3D Body or HY-Motion
         **{
-            rf"(?<!\A)(?<!\. )\b{name}\b(?!-)": name.lower()
+            rf"(?<!\A)(?<!\. )(?<!3D )(?<![-\w]){name}\b(?!-)": name.lower()
             for name in (
                 *("Body", "Scene", "Motion", "Pose", "Result", "Sequence", "Plane", "Box"),
                 *("Sphere", "Capsule", "Cylinder", "Mesh"),

@@ -173,7 +173,7 @@ _SCENARIO = {
     "kick": "kick_ball",
     "monitor": "reach_past_monitor",
 }
-#: Firmness that Algorithm 1 needs to hold objects at 30 frames/s.
+#: Stiffness that Algorithm 1 needs to hold objects at 30 frames/s.
 _SOFT: choices.Choice = {**choices.LIMP, "stiffness": 0.1}
 _BRIEF = {"carry": 1.0, "shake": 0.0}
 _FEW_STAGES = {"stages": ["lift", "shake", "open"]}
@@ -351,7 +351,7 @@ def content(options: Options, values: Mapping[str, Any]) -> Content:
                 )
             )
             if _pictured(key, end, options.quick):
-                caption = f"Figure {case.figure}: {case.name}. Blue: as asked for."
+                caption = f"Figure {case.figure}: {case.name}. Blue: reference."
                 pictures.append(Picture(caption=caption, task=key, name="strip"))
     return Content(rows=tuple(rows), plots=_plots(options, values), pictures=tuple(pictures))
 

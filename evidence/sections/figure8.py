@@ -97,7 +97,7 @@ def content(options: Options, values: Mapping[str, Any]) -> Content:
     rows = tuple(_row(s, values[_key(s)], limp, firm) for s in sweep)
     pictures = tuple(
         Picture(
-            caption=f"Figure 8, lambda {s:g}: {what}. Blue: as asked for.",
+            caption=f"Figure 8, lambda {s:g}: {what}. Blue: reference.",
             task=_key(s),
             name="strip",
         )
@@ -146,7 +146,7 @@ def _plots(sweep: list[float], values: Mapping[str, Any]) -> tuple[Plot, ...]:
     found = [values[_key(s)] for s in sweep]
     plots = [
         Plot(
-            title="How far the knee bends beyond what was asked for",
+            title="How far the knee bends beyond the reference",
             x=("lambda", ""),
             y=("angle", "°"),
             series=(Series("knee", names, [v["more"] for v in found]),),
@@ -166,7 +166,7 @@ def _plots(sweep: list[float], values: Mapping[str, Any]) -> tuple[Plot, ...]:
         about = round(_ABOUT * first["fps"])
         kick = slice(max(0, first["at"] - about), first["at"] + about + 1)
         times = [round(t / first["fps"], 6) for t in range(len(first["asked"]))][kick]
-        lines = [Series("as asked for", times, first["asked"][kick])]
+        lines = [Series("reference", times, first["asked"][kick])]
         lines += [Series(f"lambda {s:g}", times, values[_key(s)]["bend"][kick]) for s in ends]
         plots.append(
             Plot(

@@ -140,14 +140,14 @@ def content(options: Options, values: Mapping[str, Any]) -> Content:
                 continue
             rows.append(_row(name, figure, scenario, chosen, choice, found))
             if not end and (name in _PICTURED or not options.quick):
-                caption = f"{figure}: {name}. Blue: as asked for; solid: half-physics."
+                caption = f"{figure}: {name}. Blue: reference; solid: half-physics."
                 pictures.append(Picture(caption=caption, task=_key(name), name="strip"))
     shown = [n for n in SCENES if values.get(_key(n), {}).get("into")]
     plots = []
     if shown:
         deepest = {
             label: [values[_key(n)][which]["max_mm"] for n in shown]
-            for label, which in (("as asked for", "asked"), ("half-physics", "ours"))
+            for label, which in (("reference", "asked"), ("half-physics", "ours"))
         }
         plots.append(
             Plot(
@@ -170,11 +170,11 @@ def _row(
     found: Mapping[str, Any],
 ) -> Row:
     asked, ours = found["asked"], found["ours"]
-    deepest = Figure(name="deepest, asked for", unit="mm", ours=asked["max_mm"])
+    deepest = Figure(name="deepest, reference", unit="mm", ours=asked["max_mm"])
     if name != HELD:
         deepest = at_least(ASKED, deepest.ours, name=deepest.name, unit=deepest.unit)
     figures = [
-        Figure(name="penetration rate, asked for", unit="%", ours=asked["rate"]),
+        Figure(name="penetration rate, reference", unit="%", ours=asked["rate"]),
         deepest,
         at_most(0.0, ours["rate"], name="penetration rate", unit="%"),
         at_most(0.0, ours["max_mm"], name="deepest", unit="mm"),
@@ -203,7 +203,7 @@ SECTION = Section(
     title="Figures 4 and 9: scenes",
     about="Motions that go into walls and furniture: each is stopped where it meets something, "
     "and what meets nothing goes on as intended. The paper shows pictures; here is also how deep "
-    "the motion goes that was asked for and how deep ours, how far the pelvis is from its place, "
+    "the reference goes and how deep ours, how far the pelvis is from its place, "
     "and the largest error of a joint that no contact can have turned.",
     tasks=tasks,
     content=content,

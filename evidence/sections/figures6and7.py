@@ -153,7 +153,7 @@ def content(options: Options, values: Values) -> Content:
                 )
             )
             if what in _PICTURED and _pictured(what, key, options.quick):
-                caption = f"{title}. Blue: as asked for."
+                caption = f"{title}. Blue: reference."
                 pictures.append(Picture(caption=caption, task=f"{what}/{key}", name="strip"))
     if "ragdoll" in values:
         rows += _limp(values["ragdoll"])
@@ -298,7 +298,7 @@ def _plots(options: Options, values: Values) -> tuple[Plot, ...]:
 def _ragdoll(doll: Values) -> Plot:
     times = [round(t / doll["fps"], 6) for t in range(len(doll["asked"]))]
     heights = {
-        "as asked for": doll["asked"],
+        "reference": doll["asked"],
         "half-physics": doll["ours"]["heights"],
         "ragdoll": doll["ragdoll"]["heights"],
     }

@@ -100,7 +100,7 @@ SECTION = Section(
     about=(
         "The paper reports 953 frames/s for motions followed freely, on a Xeon E3-1280 v2 with a "
         "Quadro RTX 5000. Ours is of one core of the machine that made this report, by processor "
-        "time; the peer, a plain MuJoCo loop, was timed in turns with it in the same run."
+        "time; the baseline, a plain MuJoCo loop, was timed in turns with it in the same run."
     ),
     tasks=tasks,
     content=content,

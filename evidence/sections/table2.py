@@ -79,7 +79,7 @@ def content(options: Options, values: Mapping[str, Any]) -> Content:
         number = int(key.removeprefix("room-"))
         if number in (PICTURED[:1] if options.quick else PICTURED):
             what = ", ".join(found["room"]["items"])
-            caption = f"A room with {what}: to the {found['room']['uses']}. Blue: as asked for."
+            caption = f"A room with {what}: to the {found['room']['uses']}. Blue: reference."
             pictures.append(Picture(caption=caption, task=key, name="strip"))
     return Content(rows=tuple(rows), plots=tuple(plots), pictures=tuple(pictures))
 
@@ -139,7 +139,7 @@ def _asked(data: str, found: Mapping[str, Any], *, judged: bool) -> Row:
             f"and people who sink into what they sit and lie on; {note}"
         )
     return Row(
-        name="as asked for",
+        name="reference",
         data=data,
         setting="baselines.Kinematic() plays the same",
         figures=tuple(figures),
@@ -185,8 +185,8 @@ def _one(key: str, found: Mapping[str, Any]) -> Row:
     """One scene of the user."""
     asked, ours = found["asked"], found["ours"]
     figures = [
-        Figure(name="penetration rate, asked for", unit="%", ours=asked["rate"]),
-        Figure(name="largest depth, asked for", unit="mm", ours=asked["max_mm"]),
+        Figure(name="penetration rate, reference", unit="%", ours=asked["rate"]),
+        Figure(name="largest depth, reference", unit="mm", ours=asked["max_mm"]),
         at_most(0.0, ours["rate"], name="penetration rate", unit="%"),
         at_most(0.0, ours["max_mm"], name="largest depth", unit="mm"),
         Figure(name="joints from the intent", unit="mm", ours=ours["global_mm"]),
@@ -209,7 +209,7 @@ def _plot(data: str, found: Mapping[str, Any]) -> Plot:
         y=("depth", "mm"),
         series=tuple(
             Series(name, labels, [found[k].get(way, {}).get("max_mm") for k in labels])
-            for way, name in (("asked", "as asked for"), ("ours", "half-physics"))
+            for way, name in (("asked", "reference"), ("ours", "half-physics"))
         ),
         kind="bars",
     )

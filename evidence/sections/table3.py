@@ -35,7 +35,7 @@ def content(options: Options, values: Mapping[str, Any]) -> Content:
                 note="PD torques at the joints, the root's velocity kept",
             )
         )
-    caption = "A dance followed by joint torques; blue: what was asked for"
+    caption = "A dance followed by joint torques; blue: the reference"
     return Content(
         rows=tuple(rows),
         plots=ablations.shown_curves(values, RUNS),

@@ -89,7 +89,7 @@ def content(options: Options, values: Mapping[str, Any]) -> Content:
                     note="" if name == INTERNAL else f"damping {DAMPING:g} N m s/rad at all joints",
                 )
             )
-    caption = "A dance with internal forces on; blue: what was asked for"
+    caption = "A dance with internal forces on; blue: the reference"
     return Content(
         rows=tuple(rows),
         plots=(*ablations.shown_curves(values, RUNS), *_plots(options, values)),

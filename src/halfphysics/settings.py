@@ -40,7 +40,7 @@ class Drive:
         internal_forces: Whether Coriolis, centrifugal and gyroscopic forces act on people.
         joint_damping: Viscous damping of the people's joints [N m s/rad].
         follow: Runs a world over whole motions in place of the core, given the world, its motions,
-            firmness over time or None, and a function to tell how many frames were done.
+            stiffness over time or None, and a function to tell how many frames were done.
     """
 
     poses: PosesSet = PosesSet.NO
@@ -72,9 +72,9 @@ class Settings:
     substeps: int | None = None
     """Substeps N per frame; None: as many as keep h at or under 1/240 s (8 at 30 fps)."""
     stiffness: float | Mapping[str, float] = 1.0
-    """Firmness of the joints, lambda: 0 limp (with drive_time=None), 1 firm, 10 nearly rigid; a
-    number, or one per joint group or joint (see `JOINT_GROUPS`), the smaller group winning: joints
-    not named have 1."""
+    """Stiffness of the joints, lambda: 0 limp (with drive_time=None), 1 stiff, 10 nearly rigid; a
+    number, or one per joint or joint group (legs, arms, hands, ...), of which the smaller group
+    wins; joints not named have 1."""
     drive_time: float | None = 0.02
     """Time constant of the drive [s]; None: Algorithm 1 of the paper."""
     recovery_rate: float = 8.0
@@ -93,13 +93,13 @@ class Settings:
     clearance: float = 0.001
     """Distance kept between the body and all else [m]; at most 0.05, under 2e-5 counts as 2e-5."""
     clearance_range: float = 0.05
-    """Distances up to this are reported exactly in `Result.clearance` [m], inf beyond."""
+    """Minimum distances up to this are reported exactly, larger ones as inf [m]."""
     contact: Literal["skin", "parts"] = "skin"
     """What of a person touches: hulls of the skin itself, or the 55 rigid parts (faster)."""
     self_contact: bool = False
-    """Keep a person out of themselves: arms off the chest, but not parts within two joints."""
+    """Enable self-collision: arms stay off the chest; parts within two joints may touch."""
     depenetration_speed: float = 0.5
-    """Fastest speed at which a part that starts inside something leaves it [m/s]."""
+    """Fastest speed at which initial overlaps are resolved [m/s]."""
     tolerance: float = 1e-6
     """Largest violation of a contact that the solver may leave in a substep [m]."""
     max_sweeps: int = 50

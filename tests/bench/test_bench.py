@@ -145,7 +145,7 @@ def test_sweeps_make_all_samples_and_their_parts_are_the_whole(measured):
         (3.0, 3.0)
     }
     parts = {k: r["ours"][0] for k, r in records.items() if r["case"] == "sweep-parts"}
-    whole = 1.0 / records["3 variants, one process; peer: simulate alone"]["ours"][0]
+    whole = 1.0 / records["3 variants, one process; baseline: simulate alone"]["ours"][0]
     # Reading the clip, once, counts only toward the total.
     assert 0.2 * whole < sum(parts.values()) < 1.5 * whole
 
@@ -384,7 +384,7 @@ def test_one_table_per_case(clip, capsys):
     assert "free: " not in out
     assert "ours [frames/s]" in out
     assert "ours/parts" in out
-    assert "ours/peer" not in out  # neither run has a peer
+    assert "ours/baseline" not in out  # neither run has one
 
 
 def test_mistakes(tmp_path, capsys):

@@ -13,6 +13,7 @@ from halfphysics.formats.registry import FORMATS
 from support.command_line import run
 from support.files.layouts import movement
 from support.files.trumans_files import release
+from support.python_names import python_names
 
 DOOR = """<mujoco><worldbody><body name="wing"><joint name="hinge" axis="0 0 1"/>
 <geom type="box" size="0.4 0.02 1" mass="20"/></body></worldbody></mujoco>"""
@@ -122,6 +123,12 @@ def test_formats_lists_every_format(capsys):
     heads = [line.split(":")[0] for line in out.splitlines() if not line.startswith(" ")]
     assert heads == sorted(FORMATS)
     assert "not in the file: the person's size in metres, the floor" in out
+
+
+def test_the_list_speaks_no_python(capsys):
+    assert run("formats") == 0
+    for line in capsys.readouterr().out.splitlines():
+        assert python_names(line.strip()) == [], line
 
 
 def test_formats_as_json_say_what_the_registry_says(capsys):

@@ -19,6 +19,5 @@ def test_one_message_from_a_box():
         "╰────────────────────────────╯\n"
     )
     assert one_message(box, "hp simulate") == (
-        "Unrecognized options: --stif, 3. Perhaps you meant: --stiffness FLOAT. "
-        "hp simulate --help explains the options"
+        "unknown option --stif; did you mean --stiffness? hp simulate --help explains the options"
     )

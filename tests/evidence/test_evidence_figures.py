@@ -84,8 +84,8 @@ def test_scenes():
     rows = {row.data: figures(row) for row in content.rows}
     assert set(rows) == {"sit_on_sofa", "fly_with_ball"}
     asked = rows["sit_on_sofa"]
-    assert asked["deepest, asked for"].ours > 60.0
-    assert asked["penetration rate, asked for"].ours > 0.5
+    assert asked["deepest, reference"].ours > 60.0
+    assert asked["penetration rate, reference"].ours > 0.5
     for row in rows.values():
         assert all(f.reproduced is not False for f in row.values())
         assert row["deepest"].ours == row["penetration rate"].ours == row["lost time"].ours == 0.0
@@ -113,7 +113,7 @@ def test_what_fails_is_said_to_fail():
     assert wrong == {"penetration rate", "deepest", "error of free joints"}
     blind = {**found, "asked": {"rate": 0.0, "mean_mm": 0.0, "max_mm": 0.0}}
     (row,) = figures4and9.content(Options(quick=True), {sofa: blind}).rows
-    assert [f.name for f in row.figures if f.reproduced is False] == ["deepest, asked for"]
+    assert [f.name for f in row.figures if f.reproduced is False] == ["deepest, reference"]
 
 
 @pytest.fixture(scope="module")

@@ -181,11 +181,11 @@ def test_judges_that_see_nothing_are_shown_so(changes, measure):
     values = every()
     for found in values.values():
         found["asked"] |= changes
-    _, bad = judged(values, "as asked for")
+    _, bad = judged(values, "reference")
     assert [name for name, well in bad.items() if not well] == [measure]
     values = every()
     values["room-03"]["asked"]["intersecting"] = 0
-    assert judged(values, "as asked for")[1]["scenes that coal finds out"] is False
+    assert judged(values, "reference")[1]["scenes that coal finds out"] is False
 
 
 def test_without_the_library_it_says_so():
@@ -195,7 +195,7 @@ def test_without_the_library_it_says_so():
             del values[way][key]
     row, found = judged({"room-00": values})
     assert found["frames that intersect, by coal"] is None
-    assert judged({"room-00": values}, "as asked for")[1]["scenes that coal finds out"] is None
+    assert judged({"room-00": values}, "reference")[1]["scenes that coal finds out"] is None
     assert verify.MISSING in row.note
 
 

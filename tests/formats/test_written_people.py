@@ -257,7 +257,7 @@ def test_what_such_a_file_cannot_hold_is_said(tmp_path):
         "the fingers",
         "the gender 'female'",
         "betas beyond the first 10",
-        "the frame rate 60: readers take 30; say --to-fps 30",
+        "the frame rate 60: readers take 30; say motion.resample(30)",
     ]
     with warnings.catch_warnings():
         warnings.simplefilter("error")

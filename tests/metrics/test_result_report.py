@@ -181,13 +181,15 @@ def test_what_was_inside(quiet):
     }
     lines = dataclasses.replace(quiet, inside=inside_of(depths)).summary().splitlines()
     assert (
-        "  started inside: left_wrist 50 mm inside wall, still 50 mm at the end; left_foot 34 mm "
+        "  initial overlaps: left_wrist 50 mm inside wall, still 50 mm at the end; left_foot 34 mm "
         "inside floor, out by frame 3 (0.10 s); left_index1 4.0 mm inside wall, out by frame 1 "
         "(0.03 s) and 1 more"
     ) in lines
     assert "  1 of these 4 still inside at the end" in lines
-    assert "  got inside later: head 1.0 mm inside wall, out by frame 31 (1.03 s)" in lines
-    assert ("started inside: cup inside floor (no way out found), out by frame 1 (0.03 s)") in lines
+    assert "  later overlaps: head 1.0 mm inside wall, out by frame 31 (1.03 s)" in lines
+    assert (
+        "initial overlaps: cup inside floor (no way out found), out by frame 1 (0.03 s)"
+    ) in lines
     depths[WRIST, -1, 1] = {0: 0.05, 1: 0.04, 2: 0.03, 3: 0.02, 4: 0.01}
     text = dataclasses.replace(quiet, inside=inside_of(depths)).summary()
     assert "left_wrist 50 mm inside wall, out by frame 5 (0.17 s)" in text
@@ -206,10 +208,11 @@ def test_the_nearest_part_and_thing(quiet, body, gap):
     clearance[40] = gap
     text = dataclasses.replace(moved(quiet, shift), clearance=clearance).summary()
     assert (
-        f"smallest distance from what stands (rigid parts): {name} 4 mm from wall, in frame 40 "
-        "(1.33 s); asked: 1 mm\n"
+        f"minimum distance to static geometry (rigid parts): {name} 4 mm from wall, in frame 40 "
+        "(1.33 s); clearance set to 1 mm\n"
         if gap > 0.0
-        else f"deepest in what stands (rigid parts): {name} 6 mm in wall, in frame 40 (1.33 s)\n"
+        else f"deepest in static geometry (rigid parts): {name} 6 mm in wall, in frame 40 "
+        "(1.33 s)\n"
     ) in text
     assert moved(quiet, shift).parts().clearance.min() == pytest.approx(gap, abs=1e-9)
 
@@ -220,14 +223,17 @@ def test_the_smallest_distance_is_that_of_frames_with_nobody_inside(quiet):
     clearance[:6] = -0.03, -0.01, 0.0002, 0.009, 0.004, 0.02
     inside = inside_of({(FOOT, -1, 0): {0: 0.03, 1: 0.01, 2: 0.001}})
     text = dataclasses.replace(quiet, clearance=clearance, inside=inside).summary()
-    assert "deepest in what stands (rigid parts): 30 mm in something, in frame 0 (0.00 s)\n" in text
     assert (
-        "smallest distance from what stands (rigid parts, nobody inside: 57 frames): 4 mm from "
-        "something, in frame 4 (0.13 s); asked: 1 mm\n"
+        "deepest in static geometry (rigid parts): 30 mm in something, in frame 0 (0.00 s)\n"
+        in text
+    )
+    assert (
+        "minimum distance to static geometry (rigid parts, nobody inside: 57 frames): 4 mm from "
+        "something, in frame 4 (0.13 s); clearance set to 1 mm\n"
     ) in text
     clearance[:] = -0.03
     text = dataclasses.replace(quiet, clearance=clearance, inside=inside).summary()
-    assert "smallest distance" not in text
+    assert "minimum distance" not in text
 
 
 def test_lost_time_and_the_solver(quiet):
@@ -236,8 +242,8 @@ def test_lost_time_and_the_solver(quiet):
     residual[12] = 2e-5
     result = dataclasses.replace(quiet, lost_time=lost, diagnostics={"residual": residual})
     assert result.summary().splitlines()[-1] == (
-        "lost 0.012 s where steps were blocked, in 2 frames, most in frame 30 (1.00 s); a gap "
-        "missed what the solver asked of it by 0.02 mm at most, in frame 12 (0.40 s)"
+        "lost 0.012 s where steps were blocked, in 2 frames, most in frame 30 (1.00 s); "
+        "largest solver residual 0.02 mm, in frame 12 (0.40 s)"
     )
     assert dataclasses.replace(quiet, diagnostics={}).summary().endswith("no time lost")
     missed, tolerances = np.zeros(FRAMES), np.zeros(FRAMES)
@@ -247,8 +253,8 @@ def test_lost_time_and_the_solver(quiet):
         dataclasses.replace(quiet, diagnostics=friction)
         .summary()
         .endswith(
-            "no time lost; friction missed Coulomb's law by 0.5 m/s at most, in frame 12 (0.40 s), "
-            "and by over 5 tolerances of the solver in 1 frame"
+            "no time lost; largest friction residual 0.5 m/s, in frame 12 (0.40 s), "
+            "over 5 tolerances of the solver in 1 frame"
         )
     )
 
@@ -271,10 +277,10 @@ def test_what_a_file_does_not_know_any_more_is_said(tmp_path, quiet):
     ).save(tmp_path / "r.npz")
     (tmp_path / "rock.obj").unlink()
     text = Result.load(tmp_path / "r.npz").summary()  # and no warning
-    assert "joints not compared with the motion asked for: " in text
+    assert "joints not compared with the reference: " in text
     assert "body came from no file" in text
     assert "root off its path by 0 mm at most" in text
-    assert "3.1 mm from something, in frame 7 (0.23 s); asked: 1 mm" in text
+    assert "3.1 mm from something, in frame 7 (0.23 s); clearance set to 1 mm" in text
 
 
 def test_two_people_are_told_apart(body):
@@ -298,4 +304,4 @@ def test_the_demo_story_fits_a_screen():
     text = "\n".join(lines)
     assert "motion followed exactly there" in text
     assert re.search(r"ball: moved \d+\.\d+ m .* fastest 5\.\d+ m/s", text)
-    assert "smallest distance from what stands" in text
+    assert "minimum distance to static geometry" in text

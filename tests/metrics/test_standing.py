@@ -36,8 +36,8 @@ def still():
 
 def test_who_stands_still(still):
     assert standing(still, 0) == [
-        "floats in 0 % of the frames, by 0 mm at most; asked: 0 %",
-        "feet in stance slide 0.00 mm a frame, 0.0 mm at most; asked: 0.00 mm",
+        "floats in 0 % of the frames, by 0 mm at most; reference: 0 %",
+        "feet in stance slide 0.00 mm a frame, 0.0 mm at most; reference: 0.00 mm",
     ]
 
 
@@ -55,7 +55,7 @@ def test_who_is_lifted_slides_and_leans(still):
     force = metrics.net_force(result)
     lines = standing(result, 0)
     assert lines[0].startswith("floats in 50 % of the frames, by 4")
-    assert lines[0].endswith("asked: 0 %")
+    assert lines[0].endswith("reference: 0 %")
     weight = metrics.unsupported_weight(result)
     assert 45.0 < weight.percent < 55.0
     assert lines[1] == (
@@ -80,4 +80,4 @@ def test_no_floor_no_floating():
 
 def test_a_long_result_is_sampled():
     result = stood(3 * SAMPLED + 1)
-    assert standing(result, 0)[0] == "floats in 0 % of the frames, by 0 mm at most; asked: 0 %"
+    assert standing(result, 0)[0] == "floats in 0 % of the frames, by 0 mm at most; reference: 0 %"

@@ -23,9 +23,9 @@ def hands(**changes):
 
 def test_what_went_well():
     assert line_of(hands()) == (
-        "holds largebox with left and right hand, 2.6 to 6.6 s: 82 N asked, 79 and 81 N reached, "
-        "friction margin 2.1; lifted 0.78 of 0.80 m; up to 4 cm and 5° off its record, 3 cm at the "
-        "end"
+        "holds largebox with left and right hand, 2.6 to 6.6 s: 82 N required, 79 and 81 N "
+        "reached, friction margin 2.1; lifted 0.78 of 0.80 m; up to 4 cm and 5° off its record, "
+        "3 cm at the end"
     )
 
 

@@ -244,7 +244,7 @@ def test_a_part_that_starts_in_an_object_is_named(body):
     assert (start.subject == -1).all()
     # Without statics the distance is infinite, at any depth in an object.
     assert np.isinf(result.parts().clearance).all()
-    assert re.search(r"started inside: left_\w+ .* inside ball", result.summary())
+    assert re.search(r"initial overlaps: left_\w+ .* inside ball", result.summary())
 
 
 def test_a_clear_start_says_nothing(body):

@@ -13,7 +13,7 @@ from halfphysics.scene.scene import Scene
 
 
 def test_the_example() -> None:
-    name, shape, options = parse_object("ball=sphere:0.11,mass=0.43,at=1:0:0.11")
+    name, shape, options = parse_object("ball=sphere:0.11,mass=0.43,position=1:0:0.11")
     assert (name, shape) == ("ball", Sphere(0.11))
     assert options == {"mass": 0.43, "position": (1.0, 0.0, 0.11)}
     ball = Scene().add_object(name, shape, **options)
@@ -33,6 +33,11 @@ def test_the_example() -> None:
 )
 def test_every_shape(text: str, shape: object) -> None:
     assert parse_static(f"x = {text}") == ("x", shape, {})
+
+
+def test_short_names_of_keys_go_on_working() -> None:
+    long = parse_object("x=sphere:1,mass=1,position=1:2:3,quaternion=0:0:0:1")
+    assert parse_object("x=sphere:1,mass=1,at=1:2:3,quat=0:0:0:1") == long
 
 
 def test_every_key() -> None:
@@ -76,9 +81,10 @@ def test_mesh_without_suffix_that_exists(tmp_path: Path, monkeypatch: pytest.Mon
         ("x=sphere:1,mass=1,density=1", "found both"),
         ("x=sphere:1,mass=1,mass=2", "mass is given twice"),
         ("x=sphere:1,mass", "mass has no value, expected mass=NUMBER"),
-        ("x=sphere:1,mass=1,at=1:0", "at=1:0: expected at=NUMBER:NUMBER:NUMBER"),
-        ("x=sphere:1,mass=1,quat=1", "quat=1: expected quat="),
-        ("x=sphere:1,mass=1,up=x", "up=x: expected y or z"),
+        ("x=sphere:1,mass=1,at=1:0", "at: found '1:0', expected at=NUMBER:NUMBER:NUMBER"),
+        ("x=sphere:1,mass=1,quat=1", "quat: found '1', expected quat="),
+        ("x=sphere:1,mass=1,up=x", "up: found 'x', expected y or z"),
+        ("x=sphere:1,mass=1,at=1:0:0,position=1:0:0", "position is given twice"),
         ("x=sphere:1,mas=1", r"unknown key 'mas' \(did you mean mass\?\)"),
         ("x=sphere:1,mass=1,", "unknown key ''"),
     ],
@@ -92,7 +98,7 @@ def test_all_mistakes_in_one_message() -> None:
     with pytest.raises(InputError) as caught:
         parse_object("x=spher:1,mass=heavy,at=1,colour=red")
     message = str(caught.value)
-    for part in ("spher:1", "mass=heavy", "at=1", "'colour'", "Example: ball=sphere:0.11"):
+    for part in ("spher:1", "found 'heavy'", "found '1'", "'colour'", "Example: ball=sphere:0.11"):
         assert part in message
     assert "neither" not in message
 

@@ -165,7 +165,7 @@ def test_the_page_says_what_hands_held(tmp_path):
     result.holds = (held,)
     key = data_of(save_page(result, tmp_path / "a.html"))["key"]
     (line,) = re.findall(r"<div>([^<]*)</div>", key)
-    assert html.unescape(line).startswith("holds ball with left hand, 0.1 to 0.5 s: 40 N asked")
+    assert html.unescape(line).startswith("holds ball with left hand, 0.1 to 0.5 s: 40 N required")
     assert "not lifted: 0.10 of 0.40 m" in line
 
 

@@ -92,7 +92,7 @@ def test_the_plot_and_the_numbers_of_support_come_when_asked(server, held):
 
 def test_several_results_are_several_lines_with_one_ghost():
     lines = speed([RESULT, RESULT], ["soft", "stiff"], "left hand")
-    assert [line.label for line in lines] == ["soft", "asked for", "stiff"]
+    assert [line.label for line in lines] == ["soft", "reference", "stiff"]
     assert [line.dashed for line in lines] == [False, True, False]
     assert len(set(plots._colors(lines))) == 3
     other = SimpleNamespace(**{**vars(RESULT), "objects": {}})
@@ -154,7 +154,7 @@ def test_the_line_moves_and_the_plots_are_not_sent_again(server):
 
 def test_another_speed_is_chosen(server):
     shown = Plots(server.gui, [RESULT], ["a"], DURATION)
-    assert "asked for" in shown.heads["speed"].content
+    assert "reference" in shown.heads["speed"].content
     shown._choose("ball")
     chart = shown.charts["speed"]
     assert len(chart.data) == len(chart.series) == 2

@@ -1,7 +1,7 @@
 """How far targets go inwards, so that the drive presses with a force.
 
-With the drive's time constant tau and firmness lambda (docs/physics.md, "The drive") an arm that is
-held where it is pulls towards its target xi away with
+With the drive's time constant tau and stiffness lambda (docs/physics.md, "The drive") an arm that
+is held where it is pulls towards its target xi away with
 
     (M + lambda diag(I)) xi = tau^2 J^T F
 

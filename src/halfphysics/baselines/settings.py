@@ -182,7 +182,7 @@ class EngineKinematic(_InMujoco):
 
 @dataclass(frozen=True, kw_only=True)
 class EngineVelocity(_InMujoco):
-    """Algorithm 1 of the paper in MuJoCo: the peer of `halfphysics bench`."""
+    """Algorithm 1 of the paper in MuJoCo: the baseline of `halfphysics bench`."""
 
     __repr__ = changed_repr
 

@@ -21,65 +21,65 @@ CASES: Mapping[str, tuple[str, str, str]] = MappingProxyType(
         "free": (
             "free",
             "free",
-            "motion in, corrected motion out, nothing near; models are built before. Peer: MuJoCo, "
-            "without geometry, velocities set, internal forces cancelled",
+            "motion in, corrected motion out, nothing near; models are built before. "
+            "Baseline: MuJoCo, without geometry, velocities set, internal forces cancelled",
         ),
         "live": (
             "free",
             "live",
-            "the same pose by pose: Simulator.step(pose).pose. Peer: the same loop pose by pose",
+            "the same pose by pose. Baseline: the same loop pose by pose",
         ),
         "stepper": (
             "free",
             "stepper",
             "the native core alone, targets computed before: not what a user sees. "
-            "Peer: its loop alone, targets computed before",
+            "Baseline: its loop alone, targets computed before",
         ),
         "wall": (
             "wall",
             "wall",
-            "a T-pose walked into a wall of 1 cm at 1.5 m/s. Peer: the same loop with the wall as "
-            "a box and the parts as convex meshes",
+            "a T-pose walked into a wall of 1 cm at 1.5 m/s. "
+            "Baseline: the same loop with the wall as a box and the parts as convex meshes",
         ),
         "near": (
             "near",
             "near",
-            "the core alone, N=8, walking between things that stand 1 m off. Peer: its loop alone, "
-            "the meshes as convex pieces",
+            "the core alone, N=8, walking between things that stand 1 m off. "
+            "Baseline: its loop alone, the meshes as convex pieces",
         ),
         "grasp": (
             "grasp",
             "grasp",
-            "two hands squeeze a box of 3 kg, lift it and hold it, N=8. Peer: the same loop",
+            "two hands squeeze a box of 3 kg, lift it and hold it, N=8. Baseline: the same loop",
         ),
         "lift": (
             "handling",
             "lift",
-            "the scenario lift_suitcase: two palms lift 5 kg, walk and shake, N=8. Peer: the same "
-            "loop",
+            "the scenario lift_suitcase: two palms lift 5 kg, walk and shake, N=8. "
+            "Baseline: the same loop",
         ),
         "glass": (
             "handling",
             "glass",
             "the scenario grasp_glass: all fingers of one hand lift, shake, carry and turn over "
-            "0.3 kg, N=8. Peer: the same loop",
+            "0.3 kg, N=8. Baseline: the same loop",
         ),
         "sofa": (
             "sofa",
             "sofa",
-            "sitting down on a sofa of boxes and rocking on it, N=8. Peer: the same loop",
+            "sitting down on a sofa of boxes and rocking on it, N=8. Baseline: the same loop",
         ),
         "lean": (
             "lean",
             "lean",
-            "in a furnished room, one mesh: leaning on a wall, rummaging in a shelf, N=8. Peer: "
-            "the room as convex pieces",
+            "in a furnished room, one mesh: leaning on a wall, rummaging in a shelf, N=8. "
+            "Baseline: the room as convex pieces",
         ),
         "settle": (
             "settle",
             "settle",
-            "in the same room: sitting down on the sofa, feet pressed into the floor, N=8. Peer: "
-            "the room as convex pieces",
+            "in the same room: sitting down on the sofa, feet pressed into the floor, N=8. "
+            "Baseline: the room as convex pieces",
         ),
         "tree": (
             "tree",
@@ -90,31 +90,32 @@ CASES: Mapping[str, tuple[str, str, str]] = MappingProxyType(
         "meeting": (
             "meeting",
             "meeting",
-            "the scenario meet: two people walk into each other, N=8; no peer",
+            "the scenario meet: two people walk into each other, N=8; no baseline",
         ),
         "doorway": ("doorway", "doorway", "the demo's story: doorway, table, ball"),
         "ground": (
             "ground",
             "ground",
             "scenarios with default settings, and how their person stands: floating, slide of feet "
-            "in stance, net force, offset and tilt at the end; no peer",
+            "in stance, net force, offset and tilt at the end; no baseline",
         ),
         "setup": (
             "whole",
             "setup",
-            "a world of a body and a scene seen before, seconds. Peer: of a body that this process "
-            "has not seen; less is better",
+            "a world of a body and a scene seen before, seconds. "
+            "Baseline: of a body that this process has not seen; less is better",
         ),
         "clip": (
             "whole",
             "clip",
-            "150 free frames by simulate, set-up included. Peer: the same in a world built before",
+            "150 free frames by simulate, set-up included. "
+            "Baseline: the same in a world built before",
         ),
         "batch": (
             "whole",
             "batch",
-            "simulate_many of 8 clips at a wall, processor time of all threads; and by the clock. "
-            "Peer: simulate, clip after clip",
+            "8 clips together at a wall, processor time of all threads; and by the clock. "
+            "Baseline: simulate, clip after clip",
         ),
         "instructions": (
             "instructions",
@@ -139,12 +140,12 @@ CASES: Mapping[str, tuple[str, str, str]] = MappingProxyType(
             "sweep",
             "sweep",
             "sweeps of a scenario, whole: two processes beside one by the clock; one process, "
-            "processor time. Peer: what stands behind each setting",
+            "processor time. Baseline: what stands behind each setting",
         ),
         "sweep-parts": (
             "sweep",
             "parts",
-            "where a variant's processor time goes; seconds. Peer: simulate of the same run",
+            "where a variant's processor time goes; seconds. Baseline: simulate of the same run",
         ),
         "sweep-memory": (
             "sweep",

@@ -72,7 +72,7 @@ def sweep(options: Options) -> Iterator[Record]:
     for name, side in (("simulate, labels and files alone", same), ("simulate alone", bare)):
         yield Record(
             case="sweep",
-            setting=f"{few} variants, one process; peer: {name}",
+            setting=f"{few} variants, one process; baseline: {name}",
             frames=few,
             unit="variants/s",
             ours=whole.rates(few),
@@ -222,7 +222,7 @@ def _processes(scenario: str, plan: Plan, repeats: int) -> Record:
         order = order[::-1]
     return Record(
         case="sweep",
-        setting=f"{count} of {scenario}, two processes by the clock; peer: one process",
+        setting=f"{count} of {scenario}, two processes by the clock; baseline: one process",
         frames=count,
         unit="variants/s",
         ours=tuple(count / took for took in seconds[2]),

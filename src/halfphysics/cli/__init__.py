@@ -7,8 +7,9 @@ depend on its first argument, the file has a function `read` instead.
 
 from __future__ import annotations
 
+import contextlib
+import errno
 import importlib
-import re
 import sys
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -17,6 +18,16 @@ from typing import Any
 
 from halfphysics.base.progress import progress
 from halfphysics.base.suggestions import did_you_mean
+from halfphysics.cli.loudness import is_quiet, taken
+from halfphysics.cli.streams import (
+    READER_GONE,
+    drop_output,
+    flush_output,
+    output_lost,
+    say,
+    streams_for_closed_ones,
+)
+from halfphysics.cli.wording import Voice, options_of, speak_as, spoken
 from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning, InputError
 
 #: Command -> description in one line. The module of the same name in this package implements it.
@@ -42,6 +53,9 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
 #: Exit codes for a user's mistake and for an interruption by Ctrl-C.
 MISTAKE, INTERRUPTED = 2, 130
 
+#: Errors of the system where a stream has no room.
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+
 # A longer warning [characters] is told apart into its statements.
 _LONG = 240
 
@@ -49,9 +63,19 @@ _USAGE = "usage: halfphysics COMMAND ...   (halfphysics COMMAND --help explains 
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command; returns the exit code (0, 2 for a user's mistake, 130 for Ctrl-C)."""
+    """Run one command; returns the exit code.
+
+    0; 2 for a user's mistake; 130 for Ctrl-C; 141 where nobody reads what it prints any more.
+    """
     arguments = list(sys.argv[1:] if argv is None else argv)
-    return guarded(lambda: _run(arguments))
+    speak_as(Voice)
+
+    def run() -> int:
+        words, loudness = taken(arguments)
+        with loudness.applied():
+            return _run(words)
+
+    return guarded(run)
 
 
 def guarded(run: Callable[[], int], program: str = "halfphysics") -> int:
@@ -61,20 +85,29 @@ def guarded(run: Callable[[], int], program: str = "halfphysics") -> int:
         run: A command; returns its exit code.
         program: The name at the beginning of each message.
     """
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), streams_for_closed_ones():
         warnings.simplefilter("always", HalfPhysicsWarning)
         warnings.showwarning = _show_warning(warnings.showwarning, program)
         try:
-            return run()
+            code = run()
+            flush_output()
+            return code
         except HalfPhysicsError as error:
-            print(f"{program}: error: {_as_options(str(error))}", file=sys.stderr)
+            say(f"{program}: error: {spoken(str(error))}")
+            with contextlib.suppress(HalfPhysicsError, OSError):
+                flush_output()
             return MISTAKE
         except KeyboardInterrupt:
             return INTERRUPTED
         except BrokenPipeError:
-            # The process that reads our output has ended (halfphysics ... | head).
-            sys.stderr.close()
-            return 1
+            drop_output()
+            return READER_GONE
+        except OSError as error:
+            # Files are written by `atomic_write`, which raises errors of ours: this is a stream.
+            if error.errno not in FULL or error.filename is not None:
+                raise
+            say(f"{program}: error: {output_lost(error)}")
+            return MISTAKE
 
 
 def _run(arguments: list[str]) -> int:
@@ -88,7 +121,7 @@ def _run(arguments: list[str]) -> int:
         print(f"halfphysics {__version__}")
         return 0
     if name not in COMMANDS:
-        hint = did_you_mean(name, COMMANDS)
+        hint = did_you_mean(name, COMMANDS, otherwise=".")
         raise InputError(
             f"unknown command {name!r}{hint} Expected one of {', '.join(COMMANDS)}. "
             "halfphysics --help explains them"
@@ -96,6 +129,8 @@ def _run(arguments: list[str]) -> int:
     from halfphysics.cli.parsing import Exit, parse
 
     module: Any = importlib.import_module(f"{__name__}.{name}")
+    if hasattr(module, "Command"):
+        speak_as(lambda: Voice(options_of(module.Command), plan=name == "sweep"))
     if hasattr(module, "read"):
         command = module.read(f"halfphysics {name}", rest)
     else:
@@ -122,21 +157,9 @@ def _overview() -> str:
             "  halfphysics demo",
             "  halfphysics simulate walk.npz --scene room.yaml --out result.npz",
             "",
+            "-q prints nothing but errors, -v also what is done (-vv: in detail);",
             "halfphysics --version prints the version.",
         ]
-    )
-
-
-def _as_options(message: str) -> str:
-    """A message of the package with its arguments (fps=30) written as options (--fps 30)."""
-    message = message.replace("frames=(start, stop)", "--frames START:STOP")
-    message = message.replace("motion alone with Motion.load", "motion alone with --objects none")
-    message = re.sub(r"\b(ground|adapt|grip)=False\b", r"--no-\1", message)
-    message = re.sub(r"(?<![\w-])(up|floor)='?(-?\w+)'?", r"--\1=\2", message)
-    return re.sub(
-        r"(?<![\w-])(fps|hands|model|gender|clip|assets|body|format)=(?:'([^']*)'|(\d[\w.]*))?",
-        lambda found: f"--{found[1]} {found[2] or found[3] or ''}".rstrip(),
-        message,
     )
 
 
@@ -148,9 +171,11 @@ def _show_warning(other: Any, program: str) -> Any:
 
     def show(message: Any, category: type[Warning], *rest: Any, **named: Any) -> None:
         if issubclass(category, HalfPhysicsWarning):
-            text = _as_options(str(message))
+            if is_quiet():
+                return
+            text = spoken(str(message))
             text = text if len(text) <= _LONG else text.replace("; ", "\n  ")
-            print(f"{program}: warning: {text}", file=sys.stderr)
+            say(f"{program}: warning: {text}")
         else:
             other(message, category, *rest, **named)
 

@@ -29,7 +29,7 @@ _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 @dataclass(frozen=True, kw_only=True)
 class Command:
-    """Measure speed on one core: ours, ours with contact=parts, and the peer, timed in turns.
+    """Measure speed on one core: ours, ours with contact by parts, and the baseline, in turns.
 
     Ratios are medians over the runs of each turn; over 1 ours is faster.
     Rates are of this machine and of what else it does now. docs/benchmarks.md says more.
@@ -136,10 +136,10 @@ def _tables(records: list[Record]) -> str:
     first = records[0]
     head = ["setting", f"ours [{first.unit}]", "min", "max"]
     head += [] if first.parts is None else ["parts", "ours/parts"]
-    head += [] if first.peer is None else ["peer", "ours/peer"]
+    head += [] if first.peer is None else ["baseline", "ours/baseline"]
     rates, checks = [head], [["setting"]]
     for name, (_, peer) in first.checks.items():
-        checks[0] += [name] if peer is None else [name, "peer"]
+        checks[0] += [name] if peer is None else [name, "baseline"]
     for r in records:
         row = [r.setting, *map(_figure, (r.middle, min(r.ours), max(r.ours)))]
         for middle, ratio in ((r.parts_middle, r.parts_ratio), (r.peer_middle, r.ratio)):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -9,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from halfphysics.cli.options import BodyOptions, MotionOptions, check_output
+from halfphysics.cli.wording import spoken
 from halfphysics.errors import InputError
 
 if TYPE_CHECKING:
@@ -65,7 +68,8 @@ class Command:
                 )
             what = self.motion_file.sequence(self.source) if result is None else result
             motion = what.motions[0] if isinstance(what, Sequence) else what.motion
-            export(what, self.target, body=self._body(motion, None), fps=self.to_fps)
+            with self._rate_said():
+                export(what, self.target, body=self._body(motion, None), fps=self.to_fps)
         else:
             if result is None or read_otherwise:
                 motion = self.motion_file.load(self.source)
@@ -73,12 +77,26 @@ class Command:
                 motion = result.motion
             writer = writer_of(motion, self.target, self.format)  # before the work
             if self.to_fps is not None:
-                motion = motion.resample(self.to_fps)
+                with self._rate_said():
+                    motion = motion.resample(self.to_fps)
             body = self._body(motion, result, writer.needs_body)
             motion.save(self.target, format=self.format, body=body)
             for loss in losses(motion, self.target, self.format):
-                print(f"not in the file: {loss}")
-        print(f"{motion}\nwritten: {self.target}")
+                print(f"not in the file: {spoken(loss)}")
+        print(
+            f"{len(motion)} frames at {motion.fps:g} fps, {motion.model} {motion.gender}\n"
+            f"written: {self.target}"
+        )
+
+    @contextlib.contextmanager
+    def _rate_said(self) -> Iterator[None]:
+        """Mistakes of the frame rate to write, which Python calls fps, as of --to-fps."""
+        try:
+            yield
+        except InputError as error:
+            if not str(error).startswith("fps:"):
+                raise
+            raise InputError(f"--to-{error}") from None
 
     def _body(self, motion: Motion, result: Result | None, needed: bool = False) -> Body | None:
         """The body of the motion if it is known; the default body if one is needed."""

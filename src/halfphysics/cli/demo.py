@@ -9,11 +9,13 @@ from typing import Annotated
 
 import tyro
 
-from halfphysics.cli.options import progress
+from halfphysics.cli.options import check_room, progress
+from halfphysics.cli.outputs import open_page
 from halfphysics.errors import FileError
 
 EXAMPLES = """\
 halfphysics demo
+halfphysics demo --open
 halfphysics demo --out /somewhere/else"""
 
 _STORY = "doorway"
@@ -28,6 +30,8 @@ class Command:
 
     out: Annotated[Path, tyro.conf.arg(aliases=["-o"], metavar="FOLDER")] = Path("out/demo")
     """Folder to write into; made if it is not there."""
+    open: bool = False
+    """Open the page in the browser."""
 
     def run(self) -> None:
         """Simulate, measure and write the files."""
@@ -42,6 +46,7 @@ class Command:
             self.out.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise FileError(f"{self.out}: cannot make this folder: {error.strerror}") from None
+        check_room(self.out, self.out)
         print(scenarios.describe(_STORY))
         story = scenarios.load(_STORY)
         start = time.perf_counter()
@@ -73,3 +78,5 @@ class Command:
         for what, path in written.items():
             note = "  (open it in a browser; it needs no network)" if what == "page" else ""
             print(f"{what + ':':<10}{path}{note}")
+        if self.open:
+            open_page(written["page"])

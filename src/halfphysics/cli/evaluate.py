@@ -8,7 +8,14 @@ from typing import Annotated
 
 import tyro
 
-from halfphysics.cli.options import BodyOptions, File, MotionOptions, SceneOptions, progress
+from halfphysics.cli.options import (
+    BodyOptions,
+    File,
+    MotionOptions,
+    SceneOptions,
+    check_output,
+    progress,
+)
 from halfphysics.errors import InputError
 
 EXAMPLES = """\
@@ -42,6 +49,8 @@ class Command:
         from halfphysics.formats.results.result_file import is_result
         from halfphysics.motion.motion import Motion
 
+        if self.json is not None:
+            check_output(self.json, self.file, self.reference)
         scene = self.scene.load() if self.scene.given else None
         if is_result(self.file):
             self._result(scene)
@@ -67,7 +76,9 @@ class Command:
         from halfphysics.motion.motion import Motion
         from halfphysics.results.result import Result
 
-        result = Result.load(self.file, scene=scene)  # type: ignore[arg-type]
+        # A model file that has moved is given anew, for the result cannot be read without.
+        body = self.person.load(Motion.load(self.file)) if self.person.given else None
+        result = Result.load(self.file, scene=scene, body=body)  # type: ignore[arg-type]
         people = list(result.people)
         if self.person.given or self.person.mass is not None:
             bodies = [self.person.instead_of(p.body, p.motion) for p in people]

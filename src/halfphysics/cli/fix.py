@@ -16,6 +16,7 @@ from halfphysics.cli.options import (
     progress,
 )
 from halfphysics.cli.table import table
+from halfphysics.cli.wording import spoken
 from halfphysics.errors import InputError
 
 if TYPE_CHECKING:
@@ -125,7 +126,7 @@ class Command:
             for line in losses(motion, out, self.format, body)
         ]
         for loss in dict.fromkeys(lost):
-            print(f"not in the file: {loss}")
+            print(f"not in the file: {spoken(loss)}")
         for path in paths:
             print(f"written: {path} ({writer_of(motions[0], path, self.format).name})")
 

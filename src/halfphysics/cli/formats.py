@@ -6,6 +6,9 @@ import json
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
+from halfphysics.cli.options import MotionOptions
+from halfphysics.cli.wording import Voice, options_of, words_of
+
 if TYPE_CHECKING:
     from halfphysics.formats.format import Format
 
@@ -71,7 +74,7 @@ def row(format: Format) -> Row:
         format.expects,
         tuple(reads),
         format.save is not None,
-        format.invents,
+        words_of(format.invents, Voice(options_of(MotionOptions))),
     )
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import tyro
 
 from halfphysics.cli.options import BodyOptions, MotionOptions
+from halfphysics.cli.wording import spoken
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.motion import skeleton
 
@@ -67,7 +68,7 @@ class Command:
             warnings.simplefilter("always", HalfPhysicsWarning)
             sequence = self.motion_file.sequence(self.file, ground=False)
         for line in _said(caught, self.file):
-            print(f"read with: {line}")
+            print(f"read with: {spoken(line)}")
         bodies = [
             self.person.instead_of(body, motion)
             for body, motion in zip(sequence.bodies, sequence.motions, strict=True)

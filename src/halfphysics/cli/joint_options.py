@@ -9,29 +9,32 @@ import tyro
 
 from halfphysics.motion.joint_groups import JointValues
 
-_FIRMNESS = float | Mapping[str, float]
+_STIFFNESS = float | Mapping[str, float]
 _STRENGTH = Literal["human"] | Mapping[str, float] | None
 
 
-def joint_options() -> Any:
-    """A context in which tyro can read the values per joint of `Settings`."""
-    registry = tyro.constructors.ConstructorRegistry()
+def joint_spec(kind: Any) -> Any:
+    """How tyro reads the values per joint of `Settings`; None: another type."""
+    if kind == _STIFFNESS:
+        return _spec("NUMBER|JOINTS=NUMBER,...", _number)
+    if kind == _STRENGTH:
+        return _spec("human|none|JOINTS=NUMBER,...", _word)
+    return None
 
-    @registry.primitive_rule
-    def rule(info: tyro.constructors.PrimitiveTypeInfo) -> Any:
-        if info.type == _FIRMNESS:
-            return _spec("FLOAT|JOINTS=FLOAT,...", lambda text: float(text))
-        if info.type == _STRENGTH:
-            return _spec("None|human|JOINTS=FLOAT,...", _word)
-        return None
 
-    return registry
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise ValueError(
+            f"found {text!r}, expected a number, or JOINTS=NUMBER, such as legs=0.2"
+        ) from None
 
 
 def _word(text: str) -> str | None:
-    if text not in ("None", "human"):
-        raise ValueError(f"found {text!r}, expected None, human or JOINTS=NUMBER,...")
-    return None if text == "None" else text
+    if text not in ("none", "None", "human"):
+        raise ValueError(f"found {text!r}, expected human, none, or JOINTS=NUMBER, such as arms=40")
+    return "human" if text == "human" else None
 
 
 def _spec(metavar: str, single: Any) -> Any:
@@ -62,4 +65,4 @@ def _pairs(text: str) -> dict[str, float]:
 def _text(value: float | str | JointValues | None) -> str:
     if isinstance(value, Mapping):
         return ",".join(f"{name}={number:g}" for name, number in value.items())
-    return str(value)
+    return "none" if value is None else f"{value:g}" if isinstance(value, float) else str(value)

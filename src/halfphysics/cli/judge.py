@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -17,6 +17,7 @@ from halfphysics.cli.options import (
     check_output,
     progress,
 )
+from halfphysics.cli.wording import spoken
 from halfphysics.errors import HalfPhysicsWarning, InputError
 
 if TYPE_CHECKING:
@@ -90,7 +91,10 @@ class Command:
             self.scene.load()  # a mistake in it is one message, not one for each clip
         tasks = tasks_of(self.files, self.truth)
         jobs = cores() if self.jobs is None else self.jobs
-        people = judged(tasks, reading, jobs, bar=progress())
+        people = [
+            replace(one, error=spoken(one.error), warnings=tuple(map(spoken, one.warnings)))
+            for one in judged(tasks, reading, jobs, bar=progress())
+        ]
         self._warn(people)
         self._write(people)
         if all(one.verdict is None for one in people):

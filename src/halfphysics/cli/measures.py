@@ -47,9 +47,9 @@ def of_result(result: Result, person: int, *, progress: bool) -> str:
     rows += _standing(result, person)
     labels, forces = metrics.contact_precision(result), metrics.contact_forces(result)
     if labels.contacts:
-        rows.append(("contacts borne out [%]", "", f"{labels.precision_percent:.2f}"))
-        rows.append(("contacts in their cones [%]", "", f"{forces.cone_percent:.2f}"))
-    return table([("", "asked", "simulated"), *rows])
+        rows.append(("contact precision [%]", "", f"{labels.precision_percent:.2f}"))
+        rows.append(("contact forces in friction cones [%]", "", f"{forces.cone_percent:.2f}"))
+    return table([("", "reference", "simulated"), *rows])
 
 
 def of_motion(
@@ -98,8 +98,8 @@ def _standing(result: Result, person: int) -> list[tuple[str, str, str]]:
         row("Phys-Err of PhysDiff, level ground [mm]", asked.phys_err_mm, got.phys_err_mm),
         row("slide in stance, mean [mm/frame]", stance.asked.mean_mm, stance.simulated.mean_mm),
         row("slide in stance, largest [mm/frame]", stance.asked.max_mm, stance.simulated.max_mm),
-        row("weight carried by nothing [% of frames]", None, weight.percent, 1),
-        row("beyond joint ranges and asked [deg]", None, ranges.max_deg, 1),
+        row("unsupported weight [% of frames]", None, weight.percent, 1),
+        row("beyond joint ranges and reference [deg]", None, ranges.max_deg, 1),
         row("net force, peak [body weights]", None, force.peak_weights),
         row("net force held for 50 ms [body weights]", None, force.sustained_weights),
         row("off the path at the end [mm]", None, path.end_offset_mm, 1),

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import sys
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import tyro
 
+from halfphysics.base.atomic import reason
 from halfphysics.base.validation import file_path
 from halfphysics.baselines.options import Mode, with_options
+from halfphysics.cli.loudness import is_quiet
 from halfphysics.errors import FileError, InputError
 from halfphysics.formats import loading
 from halfphysics.formats.loading import betas_for, furnished, model_for
@@ -28,17 +31,27 @@ Things = Annotated[
 ]
 
 
+#: What an output folder must have room for [bytes]: the smallest results.
+_ROOM = 2**20
+
+
 def progress() -> bool:
-    """Whether to show progress bars: only at a terminal."""
-    return sys.stderr.isatty()
+    """Whether to show progress bars: only at a terminal, and not with --quiet."""
+    return sys.stderr is not None and sys.stderr.isatty() and not is_quiet()
 
 
 @dataclass(frozen=True, kw_only=True)
 class MotionOptions(loading.MotionOptions):
     """What a motion file cannot say itself."""
 
-    assets: Annotated[tuple[Path, ...], tyro.conf.UseAppendAction] = ()
-    """Folder of the data set's other files (object meshes, templates); may be said repeatedly."""
+    model: Annotated[str | None, tyro.conf.arg(metavar="smplx|smplh|smpl|FILE")] = None
+    """Body model of the motion file, where it does not say; or a model file (for mean hands)."""
+    frames: Annotated[str | None, tyro.conf.arg(metavar="START:STOP")] = None
+    """Frames to read, counted from 0, STOP left out; either may be missing."""
+    assets: Annotated[
+        tuple[Path, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="FOLDER")
+    ] = ()
+    """Folder of the data set's other files (object meshes, templates)."""
 
     FRAMES: ClassVar[str] = "--frames"
 
@@ -88,12 +101,13 @@ class SceneOptions:
     scene: File = None
     """Scene file (.yaml or .json)."""
     static: Things = ()
-    """Something that never moves, such as wall=box:0.1:2:2.5,at=1:0:1.25 or room=room.glb.
-    Shapes: plane, sphere:R, box:X:Y:Z, capsule:R:L, cylinder:R:L or a mesh file; keys: at, quat,
-    friction, restitution, scale, up."""
+    """Static geometry, such as wall=box:0.1:2:2.5,position=1:0:1.25 or room=room.glb. Shapes:
+    plane, sphere:R, box:X:Y:Z, capsule:R:L, cylinder:R:L [m] or a mesh file; keys: position,
+    quaternion, friction, restitution, and of meshes scale and up."""
     object: Things = ()
-    """Something that moves, such as ball=sphere:0.11,mass=0.43,at=1:0:0.11; also the keys mass
-    or density, velocity, and for meshes pieces (auto, hull), threshold and max_pieces."""
+    """An object that moves, such as ball=sphere:0.11,mass=0.43,position=1:0:0.11; keys as of
+    --static, mass or density, velocity, and of meshes pieces (auto, hull), threshold and
+    max_pieces."""
     ground: bool = True
     """A floor at z = 0, where the scene brings no plane of its own."""
 
@@ -132,7 +146,8 @@ def check_output(path: Path, *inputs: Path | None) -> None:
     """Refuse, before the work, an output file that cannot be written.
 
     Raises:
-        FileError: The folder does not exist, or the path is a folder or an input file.
+        FileError: The folder does not exist, cannot be written or is full, or the path is a folder,
+            a device or an input file.
     """
     path = file_path(path)
     if path.is_dir():
@@ -149,3 +164,20 @@ def check_output(path: Path, *inputs: Path | None) -> None:
             and path.samefile(given)
         ):
             raise FileError(f"{path}: this is the input. Give another name for the output")
+    if path.exists() and not path.is_file():
+        raise FileError(f"{path}: cannot write, this is a pipe or a device. Give a file name")
+    check_room(path.parent, path)
+
+
+def check_room(folder: Path, path: Path) -> None:
+    """Refuse a folder in which no file can be made, by making one of a megabyte.
+
+    Raises:
+        FileError: It may not be written, or is full; the message begins with `path`.
+    """
+    try:
+        with tempfile.TemporaryFile(dir=folder) as probe:
+            probe.write(bytes(_ROOM))
+            probe.flush()
+    except OSError as error:
+        raise FileError(f"{path}: cannot write in {folder}: {reason(error)}") from None

@@ -22,7 +22,7 @@ halfphysics play
 halfphysics play push_door
 halfphysics play walk.npz
 halfphysics play kick_ball walk.npz
-halfphysics play walk.npz --object ball=sphere:0.11,mass=0.43,at=1:0:0.11 --port 9000"""
+halfphysics play walk.npz --object ball=sphere:0.11,mass=0.43,position=1:0:0.11 --port 9000"""
 
 #: The scenario that is played by default.
 FIRST = "kick_ball"
@@ -30,7 +30,7 @@ FIRST = "kick_ball"
 
 @dataclass(frozen=True, kw_only=True)
 class Command:
-    """Play with a simulation in a browser: turn masses, friction, firmness and strength, drag
+    """Play with a simulation in a browser: turn masses, friction, stiffness and strength, drag
     objects about; Ctrl-C ends it.
 
     Prints the address to open. On a machine without a display, reach it through an SSH tunnel;

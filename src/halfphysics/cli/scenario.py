@@ -6,15 +6,17 @@ import textwrap
 import time
 from collections.abc import Sequence as Several
 from dataclasses import dataclass, field, make_dataclass
-from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 import tyro
 
 from halfphysics.base.suggestions import did_you_mean
-from halfphysics.cli.options import BaselineOptions, check_output, progress
+from halfphysics.cli.help_page import text_width
+from halfphysics.cli.options import BaselineOptions, progress
+from halfphysics.cli.outputs import Outputs
 from halfphysics.cli.parsing import Exit, parse
+from halfphysics.cli.wording import Voice, options_of, speak_as
 from halfphysics.errors import InputError
 from halfphysics.settings import Settings
 
@@ -25,28 +27,10 @@ EXAMPLES = """\
 halfphysics scenario --list
 halfphysics scenario kick_ball
 halfphysics scenario kick_ball --mass 200 --fps 60 --out result.npz
-halfphysics scenario kick_ball --fixed --stiffness 0 --drive-time None --page kick.html"""
+halfphysics scenario kick_ball --fixed --stiffness 0 --drive-time none --page kick.html"""
 
 #: Options of a scenario that cannot be written as text.
 _OBJECTS = ("body", "other")
-_WIDTH = 92
-_OUTPUTS = ("out", "page", "pictures")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Outputs:
-    """What to write."""
-
-    out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"], metavar="FILE")] = None
-    """Result file to write (.npz); without it only the summary is printed."""
-    page: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Page to write (.html) that shows the result in a browser."""
-    pictures: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Strip of pictures to write (.png)."""
-
-    def given(self) -> list[Path]:
-        """The requested output files."""
-        return [path for name in _OUTPUTS if (path := getattr(self, name)) is not None]
 
 
 @dataclass(frozen=True)
@@ -72,22 +56,7 @@ class Play:
         seconds = time.perf_counter() - start
         print(result.summary())
         print(f"simulated {len(result)} frames in {seconds:.2f} s, preparing the body included")
-        if self.outputs.out is not None:
-            result.save(self.outputs.out)
-            print(f"result: {self.outputs.out}")
-        if self.outputs.pictures is not None:
-            from halfphysics.render.contact_sheet import save_contact_sheet
-
-            save_contact_sheet(result, self.outputs.pictures)
-            print(f"pictures: {self.outputs.pictures}")
-        if self.outputs.page is not None:
-            from halfphysics.viewer.page import save_page
-
-            title = f"halfphysics {self.name}"
-            save_page(result, self.outputs.page, title=title, progress=progress())
-            print(f"page: {self.outputs.page}")
-        if not self.outputs.given():
-            print("nothing written; --out FILE keeps the result, --page FILE shows it")
+        self.outputs.write(result, f"halfphysics {self.name}")
 
 
 def read(prog: str, arguments: Several[str]) -> Play | Exit:
@@ -113,7 +82,7 @@ def read(prog: str, arguments: Several[str]) -> Play | Exit:
         )
     name, *rest = arguments
     if name not in scenarios.names():
-        hint = did_you_mean(name, scenarios.names())
+        hint = did_you_mean(name, scenarios.names(), otherwise=".")
         raise InputError(
             f"unknown scenario {name!r}{hint} Expected one of {', '.join(scenarios.names())}. "
             f"{prog} --list explains them"
@@ -128,8 +97,8 @@ def overview() -> str:
     blocks = []
     for name in scenarios.names():
         known = scenarios.options(name).items()
-        said = [f"--{_flag(o)} {default}" for o, default in known if o not in _OBJECTS]
-        lines = [scenarios.describe(name), *_wrapped(said)]
+        said = [_default(o, default) for o, default in known if o not in _OBJECTS]
+        lines = [*textwrap.wrap(scenarios.describe(name), text_width() - 4), *_wrapped(said)]
         blocks.append("\n".join([name, *(f"  {line}" for line in lines)]))
     return "\n\n".join(blocks)
 
@@ -137,17 +106,15 @@ def overview() -> str:
 def _play(prog: str, name: str, arguments: list[str]) -> Play | Exit:
     from halfphysics import scenarios
 
+    speak_as(lambda: Voice(options_of(_command(name, Settings()))))
+
     def parsed(settings: Settings) -> Any:
         return parse(_command(name, settings), prog, EXAMPLES, arguments)
 
     command = parsed(Settings())
     if isinstance(command, Exit):
         return command
-    files = command.outputs.given()
-    for path in files:
-        check_output(path)
-    if len({path.absolute() for path in files}) < len(files):
-        raise InputError("--out, --page, --pictures: found one file for two of them")
+    command.outputs.check()
     chosen = {option: getattr(command, option) for option in _texts(name)}
     sequence = scenarios.load(name, **chosen)
     if sequence.settings != Settings():
@@ -199,9 +166,13 @@ def _command(name: str, settings: Settings) -> type[Any]:
 def _help(prog: str) -> str:
     return "\n".join(
         [
-            f"usage: {prog} NAME ...   ({prog} NAME --help explains the options of one)",
+            f"usage: {prog} NAME ...",
             "",
-            "Play a built-in scenario: simulate it, print the summary, write what is asked for.",
+            *textwrap.wrap(
+                "Play a built-in scenario: simulate it, print the summary, write the files named. "
+                f"{prog} NAME --help explains the options of one.",
+                text_width(),
+            ),
             "",
             *textwrap.indent(overview(), "  ").splitlines(),
             "",
@@ -219,15 +190,23 @@ def _lone(flag: str, prog: str, arguments: Several[str]) -> None:
         raise InputError(f"{flag}: found {others!r} beside it, expected it alone: {prog} {flag}")
 
 
-def _flag(option: str) -> str:
-    return option.replace("_", "-")
+def _default(option: str, value: Any) -> str:
+    """An option with its default as a command line gives it."""
+    flag = option.replace("_", "-")
+    if isinstance(value, bool):
+        return f"--no-{flag}" if value else f"--{flag}"
+    if value is None:
+        return f"--{flag} none"
+    if isinstance(value, float):
+        return f"--{flag} {value:g}"
+    return f"--{flag} {' '.join(map(str, value)) if isinstance(value, tuple) else value}"
 
 
 def _wrapped(words: Several[str]) -> list[str]:
     """Words wrapped into lines; a word keeps its inner spaces."""
     lines = [""]
     for word in words:
-        if lines[-1] and len(lines[-1]) + 2 + len(word) > _WIDTH:
+        if lines[-1] and len(lines[-1]) + 2 + len(word) > text_width() - 4:
             lines.append("")
         lines[-1] += f"  {word}" if lines[-1] else word
     return lines

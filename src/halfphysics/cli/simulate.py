@@ -13,9 +13,9 @@ from halfphysics.cli.options import (
     BodyOptions,
     MotionOptions,
     SceneOptions,
-    check_output,
     progress,
 )
+from halfphysics.cli.outputs import Outputs
 from halfphysics.errors import InputError
 from halfphysics.formats.loading import is_furnished
 from halfphysics.settings import Settings
@@ -26,8 +26,9 @@ if TYPE_CHECKING:
 
 EXAMPLES = """\
 halfphysics simulate walk.npz --scene room.yaml --out result.npz
-halfphysics simulate kick.npz --grounded --object ball=sphere:0.11,mass=0.43,at=1:0:0.11 --out r.npz
-halfphysics simulate walk.npz --body SMPLX_NEUTRAL.npz --static wall=box:0.1:4:2.5,at=1.5:0:1.25
+halfphysics simulate kick.npz --object ball=sphere:0.11,mass=0.43,position=1:0:0.11 --out r.npz
+halfphysics simulate walk.npz --body SMPLX_NEUTRAL.npz --static wall=box:0.1:4:2,position=2:0:1
+halfphysics simulate walk.npz --scene room.yaml --page walk.html --film walk.mp4 --open
 halfphysics simulate a.npz b.npz --stiffness 10 --root recover --out two_people.npz"""
 
 
@@ -37,10 +38,9 @@ class Command:
 
     motions: Annotated[tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="MOTION")]
     """Motion files, one per person."""
-    out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"], metavar="FILE")] = None
-    """Result file to write (.npz); without it only the summary is printed."""
     grounded: bool = False
     """Move each motion along z so that its lowest skin vertex is at z = 0."""
+    outputs: tyro.conf.OmitArgPrefixes[Outputs] = field(default_factory=Outputs)
     scene: tyro.conf.OmitArgPrefixes[SceneOptions] = field(default_factory=SceneOptions)
     person: tyro.conf.OmitArgPrefixes[BodyOptions] = field(default_factory=BodyOptions)
     motion_file: tyro.conf.OmitArgPrefixes[MotionOptions] = field(default_factory=MotionOptions)
@@ -48,15 +48,14 @@ class Command:
     baseline: tyro.conf.OmitArgPrefixes[BaselineOptions] = field(default_factory=BaselineOptions)
 
     def run(self) -> None:
-        """Simulate, print the summary, write the result."""
+        """Simulate, print the summary, write the files."""
         from halfphysics.simulation.simulate import simulate
 
         if not self.motions:
             raise InputError(
                 "simulate: no motion file. halfphysics simulate --help explains the options"
             )
-        if self.out is not None:
-            check_output(self.out, *self.motions, self.scene.scene, self.person.body)
+        self.outputs.check(*self.motions, self.scene.scene, self.person.body)
         settings = self.baseline.applied(self.settings)
         sequences = [
             self.motion_file.sequence(
@@ -79,11 +78,7 @@ class Command:
             progress=progress(),
         )
         print(result.summary())
-        if self.out is None:
-            print("nothing written; --out FILE keeps the result")
-        else:
-            result.save(self.out)
-            print(f"result: {self.out}")
+        self.outputs.write(result, ", ".join(path.name for path in self.motions))
 
     def _recorded(self, sequences: list[Sequence]) -> Scene:
         """The scene of the data sets: static geometry and objects."""

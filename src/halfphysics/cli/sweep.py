@@ -15,7 +15,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import tyro
 
 from halfphysics.base.validation import number
+from halfphysics.cli.loudness import is_quiet
+from halfphysics.cli.options import check_room
 from halfphysics.cli.parsing import Exit, parse
+from halfphysics.cli.wording import spoken
 from halfphysics.errors import HalfPhysicsError, InputError
 
 if TYPE_CHECKING:
@@ -69,7 +72,7 @@ class Command:
     address: Annotated[str | None, tyro.conf.arg(metavar="RAY")] = None
     """Of --engine ray: the cluster (auto, HOST:PORT or ray://HOST:PORT)."""
     dry_run: bool = False
-    """Only show what would be done."""
+    """Only show what would be done, and set up some variants to see whether they can be made."""
     verify: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
     """Make so many samples of a finished sweep again and compare them bit by bit; 10 if it does not
     say how many."""
@@ -91,8 +94,15 @@ class Command:
             return
         # The data is identical for any --out: only the printed text has the folder.
         shown = replace(plan, outputs=replace(plan.outputs, folder=str(folder.absolute())))
-        print(describe(shown, Variants(plan, resolve_inputs(plan))))
-        if not self.dry_run:
+        variants = Variants(plan, resolve_inputs(plan))
+        check_room(next(p for p in (folder, *folder.absolute().parents) if p.is_dir()), folder)
+        if self.dry_run:
+            from halfphysics.sweep.make.rehearsal import rehearse
+
+            told = rehearse(plan, variants)
+            print(f"{describe(shown, variants)}\ntrial     {spoken(str(told))}")
+        else:
+            print(describe(shown, variants))
             sys.stdout.flush()
             self._sweep(plan, folder)
 
@@ -121,7 +131,7 @@ class Command:
         from halfphysics.sweep.store.fixed_plan import check_plan
 
         check_plan(folder, plan)
-        print(verify(folder, count))
+        print(spoken(str(verify(folder, count))))
 
     def _sweep(self, plan: Plan, folder: Path) -> None:
         from halfphysics.sweep.report.summary import summary
@@ -129,7 +139,7 @@ class Command:
         from halfphysics.sweep.run.progress import Progress
         from halfphysics.sweep.store.store import Store
 
-        progress = Progress()
+        progress = Progress(False, lambda line: None) if is_quiet() else Progress()
         with contextlib.ExitStack() as stack:
             stack.enter_context(_ended_like_by_ctrl_c())
             store = stack.enter_context(Store(folder, plan, remake=self.remake))
@@ -148,7 +158,7 @@ class Command:
                 raise
             except SweepError as error:
                 raise SweepError(f"{error}\n{self._how_far(progress)}") from None
-        print(summary(report))
+        print(spoken(summary(report)))
         if report.failures and not report.samples:
             raise SweepError(
                 f"{folder}: no sample came of it, {report.failures} variants failed. See "

@@ -294,7 +294,7 @@ def lost_rate(motion: Motion, fps: float) -> tuple[str, ...]:
     """The line for `Format.loses` if the file has no frame rate and readers take `fps`."""
     if motion.fps == fps:
         return ()
-    return (f"the frame rate {motion.fps:g}: readers take {fps:g}; say --to-fps {fps:g}",)
+    return (f"the frame rate {motion.fps:g}: readers take {fps:g}; say motion.resample({fps:g})",)
 
 
 def lost_model(motion: Motion, model: str = "smplx") -> tuple[str, ...]:

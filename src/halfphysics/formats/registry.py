@@ -46,6 +46,7 @@ from halfphysics.formats.datasets import (
 from halfphysics.formats.datasets.ground import add_ground, needs_ground
 from halfphysics.formats.floor import motion_on_floor, on_floor
 from halfphysics.formats.format import Assets, Format, Options, Source
+from halfphysics.formats.frame_range import in_range
 from halfphysics.formats.gltf import gltf
 from halfphysics.formats.people import Track, chosen, together
 from halfphysics.formats.positions import humanml, joint_array, kimodo, mdm, mdm_smpl
@@ -178,7 +179,9 @@ def load_motion(
         motion = checked(
             str(source.path),
             options,
-            lambda given: format.load(source, given),
+            lambda given: in_range(
+                str(source.path), given, lambda some: format.load(source, some), len
+            ),
             people=lambda found: (found,),
             explained=lambda found: False,
         )
@@ -248,7 +251,12 @@ def load_sequence(
             sequence = checked(
                 str(source.path),
                 options,
-                lambda given: _sequence(source, format, given),
+                lambda given: in_range(
+                    str(source.path),
+                    given,
+                    lambda some: _sequence(source, format, some),
+                    lambda found: len(found.motions[0]),
+                ),
                 people=lambda found: found.motions,
                 explained=lambda found: bool(found.scene.statics or (ground and found.recorded)),
             )

@@ -75,7 +75,7 @@ def _following(result: Result, index: int) -> list[str]:
         adapted = person.recorded is not person.reference
         asked = person.joint_errors() if adapted else (local, everywhere)
     except HalfPhysicsError as error:
-        return [f"joints not compared with the motion asked for: {error}", root]
+        return [f"joints not compared with the reference: {error}", root]
     free = result.free_frames(index)
     if everywhere.max() < EXACT:
         followed = (
@@ -98,7 +98,7 @@ def _following(result: Result, index: int) -> list[str]:
     frame, joint = np.unravel_index(everywhere.argmax(), everywhere.shape)
     return [
         followed,
-        f"from the motion {'recorded' if adapted else 'asked for'}: MPJPE "
+        f"from the {'recorded motion' if adapted else 'reference'}: MPJPE "
         f"{_length(local.mean())}, MPJPE-g {_length(everywhere.mean())}; largest "
         f"{JOINT_NAMES[joint]} {_length(everywhere.max())} in {_when(result, frame)}",
         root,
@@ -148,7 +148,7 @@ def _inside(result: Result, inside: Inside) -> list[str]:
     pairs = [inside[pair == k] for k in range(pair.max() + 1)]
     pairs.sort(key=lambda rows: -rows.depth.max())
     lines = []
-    for what, late in (("started inside", False), ("got inside later", True)):
+    for what, late in (("initial overlaps", False), ("later overlaps", True)):
         words, ends = [], []
         for rows in pairs:
             if bool(rows.frame.min()) != late:
@@ -218,7 +218,7 @@ def _objects(result: Result) -> list[str]:
 
 
 def _nearest(result: Result) -> list[str]:
-    """The deepest penetration of statics, and the smallest distance in frames without any."""
+    """The deepest penetration of statics, and the minimum distance in frames without any."""
     statics = len(result.names) - len(result.objects) - len(result.people)
     if not statics:
         return []
@@ -231,7 +231,7 @@ def _nearest(result: Result) -> list[str]:
         frame = int(result.clearance.argmin())
         part, item = _closest(result, frame)
         lines.append(
-            f"deepest in what stands ({shape}): {part}{_length(-result.clearance[frame])} in "
+            f"deepest in static geometry ({shape}): {part}{_length(-result.clearance[frame])} in "
             f"{item}, in {_when(result, frame)}"
         )
     if not clear.any():
@@ -245,8 +245,9 @@ def _nearest(result: Result) -> list[str]:
     part, item = _closest(result, frame)
     return [
         *lines,
-        f"smallest distance from what stands ({shape}{when}): {part}{_length(distance[frame])} "
-        f"from {item}, in {_when(result, frame)}; asked: {_length(result.settings.clearance)}",
+        f"minimum distance to static geometry ({shape}{when}): {part}{_length(distance[frame])} "
+        f"from {item}, in {_when(result, frame)}; clearance set to "
+        f"{_length(result.settings.clearance)}",
     ]
 
 
@@ -278,15 +279,15 @@ def _cost(result: Result) -> str:
     residual = result.diagnostics.get("residual")
     if residual is not None and residual.any():
         text += (
-            f"; a gap missed what the solver asked of it by {_length(residual.max())} at most, in "
+            f"; largest solver residual {_length(residual.max())}, in "
             f"{_when(result, residual.argmax())}"
         )
     unsettled = result.diagnostics.get("friction_tolerances")
     if unsettled is not None and (unsettled > UNSETTLED).any():
         missed = result.diagnostics["friction_residual"]
         text += (
-            f"; friction missed Coulomb's law by {missed.max():.2g} m/s at most, in "
-            f"{_when(result, missed.argmax())}, and by over {UNSETTLED:g} tolerances of the "
+            f"; largest friction residual {missed.max():.2g} m/s, in "
+            f"{_when(result, missed.argmax())}, over {UNSETTLED:g} tolerances of the "
             f"solver in {_count(int(np.count_nonzero(unsettled > UNSETTLED)), 'frame')}"
         )
     return text

@@ -76,7 +76,7 @@ def _floats(result: Result, person: PersonResult) -> list[str]:
     words = f"floats in {got.percent:.0f} % of the frames"
     if in_air.any():
         words += f" that are not airborne ({100.0 * in_air.mean():.0f} % are)"
-    return [f"{words}, by {_length(got.max_mm)} at most; asked: {asked.percent:.0f} %"]
+    return [f"{words}, by {_length(got.max_mm)} at most; reference: {asked.percent:.0f} %"]
 
 
 def _carried(result: Result, index: int) -> list[str]:
@@ -99,7 +99,7 @@ def _slides(result: Result, index: int) -> list[str]:
         return []
     return [
         f"feet in stance slide {stance.simulated.mean_mm:.2f} mm a frame, "
-        f"{stance.simulated.max_mm:.1f} mm at most; asked: {stance.asked.mean_mm:.2f} mm"
+        f"{stance.simulated.max_mm:.1f} mm at most; reference: {stance.asked.mean_mm:.2f} mm"
     ]
 
 

@@ -135,7 +135,7 @@ def joint_values(
 
 
 def stiffness_array(value: Any, what: str) -> Array:
-    """Firmness of every joint (55,) of a number, a mapping or an array (55,); 0 at the root.
+    """Stiffness of every joint (55,) of a number, a mapping or an array (55,); 0 at the root.
 
     Raises:
         InputError: Anything else, or a number below 0 or not finite.
@@ -168,7 +168,7 @@ def stiffness_rows(value: Any, what: str, shape: tuple[int, ...]) -> Array:
 
 
 def stiffness_over_time(value: Any, frames: int, people: int) -> Array | None:
-    """The argument `stiffness` of `simulate` as firmness (T, people, 55), 0 at the roots.
+    """The argument `stiffness` of `simulate` as stiffness (T, people, 55), 0 at the roots.
 
     One value for all people, or a list or tuple of one for each: a number, numbers by joint group
     or joint (1 for joints that are not named), or over time an array (T,) or (T, 55).
@@ -198,7 +198,7 @@ def stiffness_over_time(value: Any, frames: int, people: int) -> Array | None:
 
 
 def stiffness_of_motions(usual: Array, motions: Sequence[Motion]) -> Array | None:
-    """Firmness (T, people, 55) of motions that scale the usual one (55,); None: none does."""
+    """Stiffness (T, people, 55) of motions that scale the usual one (55,); None: none does."""
     if all(motion.stiffness_scale is None for motion in motions):
         return None
     scales = [1.0 if (its := m.stiffness_scale) is None else its for m in motions]
@@ -207,7 +207,7 @@ def stiffness_of_motions(usual: Array, motions: Sequence[Motion]) -> Array | Non
 
 
 def _constant(value: Any) -> bool:
-    """Whether a firmness is constant over time."""
+    """Whether a stiffness is constant over time."""
     return isinstance(value, Mapping) or (
         not isinstance(value, list | tuple) and np.ndim(value) == 0
     )

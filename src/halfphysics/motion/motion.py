@@ -56,7 +56,7 @@ class Motion(InNotebook, ReadOnly):
         model: "smplx", "smplh" or "smpl": the model that `betas` belong to.
         axes: World from file axes, shape (3, 3); None: the identity.
         origin: Further data of the file (set by loaders, used by writers).
-        stiffness_scale: How much firmer than `Settings.stiffness` the person holds each joint on
+        stiffness_scale: How much stiffer than `Settings.stiffness` the person holds each joint on
             the way to each frame, as a factor (T, 55): arms that carry are tensed
             (`halfphysics.adapt`). None: 1 everywhere. Motion files do not keep it, and baselines
             that run in MuJoCo have no stiffness to scale.

@@ -199,7 +199,7 @@ class Control(Bound):
         self._write_person()
 
     def set_stiffness(self, value: float | Mapping[str, float] | Array) -> None:
-        """Change the firmness lambda of the joints from the next step on.
+        """Change the stiffness lambda of the joints from the next step on.
 
         `reset` restores `Settings.stiffness`; a saved state keeps its own.
 

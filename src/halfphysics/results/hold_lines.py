@@ -60,7 +60,7 @@ def _forces(hands: Sequence[HeldReport]) -> str:
         return "never touched"
     reached = " and ".join(f"{hand.reached:.0f}" for hand in hands)
     margin = min(hand.margin for hand in hands)
-    asked = f"{hands[0].asked:.0f} N asked, " if hands[0].asked else ""
+    asked = f"{hands[0].asked:.0f} N required, " if hands[0].asked else ""
     words = f"{asked}{reached} N reached, friction margin {margin:.1f}"
     least = min(hand.touched for hand in hands)
     return words if least > 0.95 else f"{words}, touched {100.0 * least:.0f} % of the time"

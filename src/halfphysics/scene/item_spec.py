@@ -1,7 +1,7 @@
 """Items of a scene as one line of text each, for the command line.
 
-``ball=sphere:0.11,mass=0.43,at=1:0:0.11``: a name, a shape with its sizes or the path of a mesh,
-then key=value pairs; several numbers of one value are joined by colons.
+``ball=sphere:0.11,mass=0.43,position=1:0:0.11``: a name, a shape with its sizes or the path of a
+mesh, then key=value pairs; several numbers of one value are joined by colons.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ _SHAPES: dict[str, tuple[Callable[[list[float]], Shape], int, str]] = {
 _STATIC = {
     "friction": ("friction", 1),
     "restitution": ("restitution", 1),
-    "at": ("position", 3),
-    "quat": ("quaternion", 4),
+    "position": ("position", 3),
+    "quaternion": ("quaternion", 4),
     "scale": ("scale", 1),
     "up": ("up", 0),
 }
@@ -44,6 +44,9 @@ _OBJECT = {
     "max_pieces": ("max_pieces", 1),
 }
 
+#: Shorter names of keys, which earlier versions had.
+_SHORT = {"at": "position", "quat": "quaternion"}
+
 #: Allowed values of the keys with text.
 _WORDS = {"up": ("y", "z"), "pieces": ("auto", "hull")}
 
@@ -53,19 +56,19 @@ Parsed = tuple[str, Shape | str, dict[str, Any]]
 def parse_object(text: str) -> Parsed:
     """(name, shape or mesh path, keyword arguments of `Scene.add_object`) of one line.
 
-    Keys: mass, density, friction, restitution, at, quat, velocity, scale, up, pieces,
-    threshold, max_pieces. Raises one `InputError` that lists all mistakes.
+    Keys: mass, density, friction, restitution, position, quaternion, velocity, scale, up,
+    pieces, threshold, max_pieces. Raises one `InputError` that lists all mistakes.
     """
-    return _parse(text, _OBJECT, "object", "ball=sphere:0.11,mass=0.43,at=1:0:0.11")
+    return _parse(text, _OBJECT, "object", "ball=sphere:0.11,mass=0.43,position=1:0:0.11")
 
 
 def parse_static(text: str) -> Parsed:
     """(name, shape or mesh path, keyword arguments of `Scene.add_static`) of one line.
 
-    Keys: friction, restitution, at, quat, scale, up. Raises one `InputError` that lists all
-    mistakes.
+    Keys: friction, restitution, position, quaternion, scale, up. Raises one `InputError` that lists
+    all mistakes.
     """
-    return _parse(text, _STATIC, "static", "wall=box:0.1:2:2.5,at=1:0:1.25")
+    return _parse(text, _STATIC, "static", "wall=box:0.1:2:2.5,position=1:0:1.25")
 
 
 def _parse(text: str, keys: dict[str, tuple[str, int]], kind: str, example: str) -> Parsed:
@@ -79,23 +82,24 @@ def _parse(text: str, keys: dict[str, tuple[str, int]], kind: str, example: str)
     options: dict[str, Any] = {}
     for pair in pairs:
         key, equals, value = (part.strip() for part in pair.partition("="))
-        if key not in keys:
+        known = _SHORT.get(key, key)
+        if known not in keys:
             hint = did_you_mean(key, keys, brackets=True)
             problems.append(f"unknown key {key!r}{hint}, allowed: {', '.join(keys)}")
             continue
-        argument, count = keys[key]
+        argument, count = keys[known]
         if not equals or not value:
             problems.append(f"{key} has no value, expected {_form(key, count)}")
         elif argument in options:
-            problems.append(f"{key} is given twice")
+            problems.append(f"{known} is given twice")
         elif count == 0:
             if value not in _WORDS[key]:
-                problems.append(f"{key}={value}: expected {' or '.join(_WORDS[key])}")
+                problems.append(f"{key}: found {value!r}, expected {' or '.join(_WORDS[key])}")
             options[argument] = value
         else:
             numbers = _numbers(value.split(":"))
             if numbers is None or len(numbers) != count:
-                problems.append(f"{key}={value}: expected {_form(key, count)}")
+                problems.append(f"{key}: found {value!r}, expected {_form(key, count)}")
                 continue
             options[argument] = numbers[0] if count == 1 else tuple(numbers)
     weights = [k for k in ("mass", "density") if k in (p.partition("=")[0].strip() for p in pairs)]

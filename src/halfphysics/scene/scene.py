@@ -30,6 +30,7 @@ from halfphysics.scene.items import (
     checked_shape,
 )
 from halfphysics.scene.material_pairs import MaterialPairs, checked_pair, of_person
+from halfphysics.scene.mesh_doubts import warn_of_doubts
 from halfphysics.scene.object_builder import PieceOptions, build_kinematic, build_object
 from halfphysics.scene.trajectories import KinematicObject
 
@@ -106,11 +107,16 @@ class Scene(InNotebook, ReadOnly):
 
         Raises:
             InputError: An impossible value. FileError: A mesh file that cannot be used.
+
+        Warns:
+            HalfPhysicsWarning: A mesh seems to be in another unit than `scale` says, or to have
+                another axis up where `up` is None.
         """
         what = checked_name(self, name, "static")
         pose = checked_pose(what, position, quaternion)
         material = checked_material(what, friction, restitution)
         made, source = checked_shape(what, shape, scale, up)
+        warn_of_doubts(what, made, pose, source, scale, up)
         static = Static(name=name, shape=made, source=source, **pose, **material)
         self._statics[name] = static
         return static
@@ -222,7 +228,7 @@ class Scene(InNotebook, ReadOnly):
             InputError: An impossible value. FileError: A mesh file that cannot be used.
         """
         item = build_kinematic(
-            checked_name(self, name, "moving thing"),
+            checked_name(self, name, "kinematic object"),
             shape,
             positions,
             quaternions,

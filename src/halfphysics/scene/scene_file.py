@@ -121,8 +121,8 @@ def _scene(tree: Entry, base: Path) -> Scene:
         _add(scene.add_object, name, entry, _OBJECT_KEYS, base)
     for name, entry in _named(root.get("moving")):
         for key in ("positions", "fps"):
-            if key not in named_entries(entry, "a moving thing: shape or mesh, positions, fps"):
-                raise entry.error(f"a moving thing needs {key}")
+            if key not in named_entries(entry, "a kinematic object: shape or mesh, positions, fps"):
+                raise entry.error(f"a kinematic object needs {key}")
         _add(scene.add_moving, name, entry, _MOVING_KEYS, base)
     for name, entry in _named(root.get("articulated")):
         _add_articulated(scene, name, entry, base)

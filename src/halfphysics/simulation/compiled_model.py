@@ -31,7 +31,7 @@ FINGER_INERTIA = 1e-3
 
 
 def armature_of(stiffness: Array) -> Array:
-    """Armature of every joint (55,) [kg m^2] at a firmness (55,): fingers have one."""
+    """Armature of every joint (55,) [kg m^2] at a stiffness (55,): fingers have one."""
     armature = np.zeros(N_JOINTS)
     fingers = list(LEFT_HAND_JOINTS + RIGHT_HAND_JOINTS)
     armature[fingers] = FINGER_INERTIA / (1.0 + stiffness[fingers])

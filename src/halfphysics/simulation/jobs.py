@@ -15,7 +15,7 @@ from halfphysics.settings import Settings
 from halfphysics.simulation.sequence import Sequence as Story
 
 if TYPE_CHECKING:
-    from halfphysics.simulation.simulate import Firmness
+    from halfphysics.simulation.simulate import Stiffness
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Job:
     scene: Scene | None
     body: Body | Sequence[Body] | None
     settings: Settings | None
-    stiffness: Firmness | Sequence[Firmness] | None
+    stiffness: Stiffness | Sequence[Stiffness] | None
 
 
 def jobs_of(

@@ -99,7 +99,7 @@ def record(
 
 
 def core_firmness(world: World, firmness: Array | None) -> Array:
-    """Firmness (T, people, 55) in the core's order (T, balls); (0, 0) of None."""
+    """Stiffness (T, people, 55) in the core's order (T, balls); (0, 0) of None."""
     return np.zeros((0, 0)) if firmness is None else world.stiffness_to_core(firmness)
 
 

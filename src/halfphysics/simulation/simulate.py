@@ -35,7 +35,7 @@ logger = logging.getLogger(__name__)
 
 Array = NDArray[np.float64]
 #: lambda: one for all joints, by joint group or joint, or over time.
-Firmness: TypeAlias = "float | Mapping[str, float] | ArrayLike"
+Stiffness: TypeAlias = "float | Mapping[str, float] | ArrayLike"
 
 
 def simulate(
@@ -44,7 +44,7 @@ def simulate(
     *,
     body: Body | Sequence[Body] | None = None,
     settings: Settings | None = None,
-    stiffness: Firmness | Sequence[Firmness] | None = None,
+    stiffness: Stiffness | Sequence[Stiffness] | None = None,
     allow_mismatch: bool = False,
     progress: bool = False,
 ) -> Result:
@@ -55,7 +55,7 @@ def simulate(
         scene: Statics and objects; None: an empty one.
         body: The person's body, or one per person; None: `Body.default()` for all.
         settings: See `Settings`.
-        stiffness: Firmness instead of `Settings.stiffness`, for all people or in a list one a
+        stiffness: Stiffness instead of `Settings.stiffness`, for all people or in a list one a
             person: a number or numbers by joint group, or over time (T,) for all joints or
             (T, 55). Row t is that of the way to frame t, as if `Simulator.set_stiffness` were
             called before that step. None: `Settings.stiffness`, times `Motion.stiffness_scale`.
@@ -94,7 +94,7 @@ def follow(
     Args:
         world: People and scene; nothing is held.
         motions: One per person, of one length and frame rate.
-        stiffness: Firmness (T, people, 55) of every frame; None: by the settings and motions.
+        stiffness: Stiffness (T, people, 55) of every frame; None: by the settings and motions.
         progress: As of `simulate`.
     """
     count = len(motions[0]) - 1

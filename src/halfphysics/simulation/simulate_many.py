@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from halfphysics.scene.scene import Scene
     from halfphysics.settings import Settings
     from halfphysics.simulation.sequence import Sequence as Story
-    from halfphysics.simulation.simulate import Firmness
+    from halfphysics.simulation.simulate import Stiffness
     from halfphysics.simulation.world import World
 
 logger = logging.getLogger(__name__)
@@ -55,7 +55,7 @@ def simulate_many(
     *,
     body: Body | Sequence[Body | Sequence[Body] | None] | None = None,
     settings: Settings | Sequence[Settings | None] | None = None,
-    stiffness: Firmness | Sequence[Firmness | None] | None = None,
+    stiffness: Stiffness | Sequence[Stiffness | None] | None = None,
     allow_mismatch: bool = False,
     threads: int | None = None,
     errors: Literal["raise"] = "raise",
@@ -68,7 +68,7 @@ def simulate_many(
     *,
     body: Body | Sequence[Body | Sequence[Body] | None] | None = None,
     settings: Settings | Sequence[Settings | None] | None = None,
-    stiffness: Firmness | Sequence[Firmness | None] | None = None,
+    stiffness: Stiffness | Sequence[Stiffness | None] | None = None,
     allow_mismatch: bool = False,
     threads: int | None = None,
     errors: Literal["return"],
@@ -80,7 +80,7 @@ def simulate_many(
     *,
     body: Body | Sequence[Body | Sequence[Body] | None] | None = None,
     settings: Settings | Sequence[Settings | None] | None = None,
-    stiffness: Firmness | Sequence[Firmness | None] | None = None,
+    stiffness: Stiffness | Sequence[Stiffness | None] | None = None,
     allow_mismatch: bool = False,
     threads: int | None = None,
     errors: str = "raise",

@@ -110,7 +110,7 @@ class Simulator(InNotebook):
 
     @contextmanager
     def _tensed(self, poses: list[Pose]) -> Iterator[None]:
-        """Within it, joints are as firm as `Pose.stiffness_scale` of the poses says."""
+        """Within it, joints are as stiff as `Pose.stiffness_scale` of the poses says."""
         if all(pose.stiffness_scale is None for pose in poses):
             yield
             return
@@ -132,7 +132,7 @@ class Simulator(InNotebook):
     def set_stiffness(
         self, value: float | Mapping[str, float] | Array, *, person: int | None = None
     ) -> None:
-        """Change the firmness lambda of the joints from the next step on.
+        """Change the stiffness lambda of the joints from the next step on.
 
         `reset` goes back to `Settings.stiffness`; a state keeps what it had.
 

@@ -40,7 +40,7 @@ def warn_of_start(world: World, motions: Sequence[Motion], rows: Array) -> None:
         _warn_of_inside(
             world,
             rows,
-            "; that it meets nothing is guaranteed for clear starts. Move the motion or the scene, "
+            "; nothing penetrates from clear starts only. Move the motion or the scene, "
             "or see motion.grounded(body) for feet in a floor",
             _CALLER,
             START_INSIDE,
@@ -70,8 +70,8 @@ def _warn_of_inside(world: Named, rows: Array, meaning: str, caller: int, least:
     words = worth.described(world.names, len(world.people))
     more = f" and {len(words) - _NAMED} more" if len(words) > _NAMED else ""
     warnings.warn(
-        f"the start is not clear: {', '.join(words[:_NAMED])}{more}. What starts inside is pushed "
-        f"out{meaning}",
+        f"the start is not clear: {', '.join(words[:_NAMED])}{more}. Initial overlaps are "
+        f"resolved{meaning}",
         HalfPhysicsWarning,
         stacklevel=caller,
     )

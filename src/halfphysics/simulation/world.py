@@ -42,7 +42,7 @@ class World:
         called: Names of everything.
         joined: The arrays of the core's model.
         stepper: The native stepper: the core.
-        stiffness: Firmness of every joint by the settings (55,).
+        stiffness: Stiffness of every joint by the settings (55,).
         people, objects, links, joints: Their places in the coordinates.
         shape_name: Per shape of the core that moves: index into `names`.
         shape_part: Per shape of the core that moves: joint index of a person's part, else -1.

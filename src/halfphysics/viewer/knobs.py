@@ -33,7 +33,7 @@ class Knobs:
     """Values of the sliders; None or absent: the scenario's value.
 
     Attributes:
-        stiffness: Firmness lambda of the joints.
+        stiffness: Stiffness lambda of the joints.
         substeps: Number of substeps per frame.
         strength: A name of `STRENGTHS`.
         drive_time: Time constant of the drive [s].

@@ -93,7 +93,7 @@ def speed(results: Sequence[Result], labels: Sequence[str], what: str) -> list[L
             lines.append(_speed(name, result, person.body.joints(person.motion)[:, joint]))
             if index == 0:
                 track = person.body.joints(person.recorded)[:, joint]
-                asked.append(_speed("asked for", result, track, dashed=True))
+                asked.append(_speed("reference", result, track, dashed=True))
         lines += asked
     return lines
 

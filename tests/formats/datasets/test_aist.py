@@ -113,5 +113,5 @@ def test_what_it_cannot_hold_is_said(tmp_path):
         "the fingers",
         "jaw and eyes",
         "the shape (betas)",
-        "the frame rate 30: readers take 60; say --to-fps 60",
+        "the frame rate 30: readers take 60; say motion.resample(60)",
     ]

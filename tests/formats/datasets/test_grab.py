@@ -304,7 +304,7 @@ def test_wrong_meshes(data_set, tmp_path):
     flat = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], process=False)
     flat.export(cup)
     refused(data_set, "span no volume")
-    refused(data_set, "moving thing 'cup'.*span no volume", objects="replayed")
+    refused(data_set, "kinematic object 'cup'.*span no volume", objects="replayed")
     cup.write_bytes(good[:40])
     with pytest.raises(hp.HalfPhysicsError, match=r"cup\.ply: cannot be read"):
         quiet(data_set)

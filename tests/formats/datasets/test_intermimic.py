@@ -311,7 +311,7 @@ def test_any_motion_is_written(tmp_path, assets):
         "jaw and eyes",
         "the shape (betas), but for the joints of it",
         "the gender 'male'",
-        "the frame rate 60: readers take 30; say --to-fps 30",
+        "the frame rate 60: readers take 30; say motion.resample(30)",
         "an object: there is none, and its columns say that it lies at the origin",
     ]
 

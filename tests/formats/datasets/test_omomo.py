@@ -327,7 +327,7 @@ def test_what_it_cannot_hold_is_said(tmp_path):
         "the fingers",
         "jaw and eyes",
         "betas after the first 16",
-        "the frame rate 60: readers take 30; say --to-fps 30",
+        "the frame rate 60: readers take 30; say motion.resample(30)",
     ]
 
 

@@ -75,4 +75,4 @@ def test_joints_need_a_body_and_lose_twist(motion, tmp_path):
     assert not list(tmp_path.iterdir())
     lost = losses(motion.resample(30.0), tmp_path / "a.npy", "joints")
     assert lost[0] == "turns of bones about themselves"
-    assert lost[-1] == "the frame rate 30: readers take 20; say --to-fps 20"
+    assert lost[-1] == "the frame rate 30: readers take 20; say motion.resample(20)"

@@ -240,7 +240,7 @@ def test_a_factor_of_nothing_is_an_error():
     with pytest.raises(InputError, match="has no static of which that can be said"):
         varied(scene, statics__scale=2.0)
     scene.add_moving("cart", hp.Sphere(0.1), [(0.0, 0.0, 1.0)], fps=1.0)
-    with pytest.raises(InputError, match="moves as told"):
+    with pytest.raises(InputError, match="is kinematic"):
         varied(scene, object__cart__mass=1.0)
 
 

@@ -269,7 +269,7 @@ def _scene(
 
 FORMAT = Format(
     name=NAME,
-    about="animated skeletons of HUMOTO, Mixamo, Rokoko, Move.ai, Blender and hp.export",
+    about="animated skeletons of HUMOTO, Mixamo, Rokoko, Move.ai, Blender and halfphysics itself",
     invents="the person's shape, gender and model",
     expects="glTF 2.0 (.glb, .gltf) with an animation of a person's skeleton",
     sniff=_sniff,

@@ -176,7 +176,7 @@ def _named(scene: Scene, factor: str, name: FactorName) -> Iterable[str]:
 def _refusal(item: Item, key: str) -> str:
     """The reason why a factor does not apply to an item; empty if it applies."""
     if key in _WEIGHTS and isinstance(item, KinematicObject):
-        return f"{item.name!r} moves as told and nothing pushes it, whatever its mass"
+        return f"{item.name!r} is kinematic: nothing pushes it, whatever its mass"
     if key == "scale" and isinstance(item, Static) and isinstance(item.shape, Plane):
         return f"{item.name!r} is a plane, which has no size"
     return ""

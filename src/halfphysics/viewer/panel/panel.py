@@ -172,7 +172,7 @@ class Panel:
         if not session.playing:
             lines.append("Paused")
         elif kept is not None and kept < _SLOW:
-            lines.append(f"**Slow motion**: {100 * kept:.0f} % of what was asked")
+            lines.append(f"**Slow motion**: {100 * kept:.0f} % of the speed set")
         elif kept is not None:
             lines.append(f"{100 * session.speed:.0f} % of real time, kept")
         return "  \n".join(lines)

@@ -1,4 +1,4 @@
-"""The part of the panel with a person's knobs: firmness, strength, drive, substeps."""
+"""The part of the panel with a person's knobs: stiffness, strength, drive, substeps."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ class PersonKnobs:
 
     def _add_drive(self, gui: Any) -> None:
         self.stiffness = gui.add_slider(
-            "Firmness λ",
+            "Stiffness λ",
             0.0,
             10.0,
             0.05,
             1.0,
-            hint="0 limp (with Algorithm 1), 1 firm, 10 nearly rigid. " + LIVE,
+            hint="0 limp (with Algorithm 1), 1 stiff, 10 nearly rigid. " + LIVE,
         )
         self._controls.bind(self.stiffness, self._stiffness, turn("stiffness"))
         self.strength = gui.add_dropdown(

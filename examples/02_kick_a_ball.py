@@ -14,7 +14,8 @@ def kick(mass: float) -> tuple[float, float, float]:
     """The highest horizontal speed of a ball of `mass` [kg], and what gave it, along its way.
 
     Returns:
-        Speed [m/s], the mean over one frame; impulse of the person and of the floor's friction on the ball until then [N s].
+        Speed [m/s], the mean over one frame; impulse of the person and of the floor's friction on
+        the ball until then [N s].
     """
     story = hp.scenarios.load("kick_ball", mass=mass)
     result = hp.simulate(story.motion, story.scene, body=story.body, settings=story.settings)

@@ -47,6 +47,7 @@ def write_files(folder: Path) -> None:
     for name in ("clip", "walk", "estimated", "generated", "clips/a", "clips/more/b", "library/a"):
         walk.save(folder / f"{name}.npz")
     hp.scenarios.load("kick_ball").motion[70 : 70 + FRAMES].save(folder / "kick.npz")
+    walk.save(folder / "walk.bvh", body=hp.Body.default())
     walk.save(folder / "hmr4d_results.pt", format="gvhmr", body=hp.Body.default())
     for name, text in (("door.xml", _DOOR), ("robot.xml", _ROBOT), ("plan.yaml", _PLAN)):
         (folder / name).write_text(text, encoding="utf-8")

@@ -1,4 +1,4 @@
-"""The documents as a site: `./run docs`, or python tools/build_site.py [FOLDER] [--keep].
+"""The documents as a site: `./run docs`, or python tools/build_site.py [FOLDER].
 
 The documents are written for GitHub and read as they are. They are copied into a folder of sources, with the
 links of README.md, which is the first page, made those of the site; pages of the reference are made
@@ -16,6 +16,7 @@ import json
 import re
 import shutil
 import sys
+import zlib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -79,10 +80,35 @@ def main(arguments: list[str]) -> int:
     source = out.with_name(f"{out.name}-source")
     shutil.rmtree(source, ignore_errors=True)
     stage(source)
-    code = sphinx(["-W", "--keep-going", "-q", "-b", "html", "-c", str(CONF), str(source), str(out)])
-    if code == 0:
-        print(f"site: {out / 'index.html'}")
-    return code
+    code = sphinx(
+        ["-W", "--keep-going", "-q", "-b", "html", "-c", str(CONF), str(source), str(out)]
+    )
+    if code:
+        return code
+    missing = sorted(public_names() - inventory(out / "objects.inv"))
+    if missing:
+        print(f"the reference lacks {', '.join(missing)}", file=sys.stderr)
+        return 1
+    print(f"site: {out / 'index.html'}")
+    return 0
+
+
+def public_names() -> set[str]:
+    """The names that users import, `halfphysics.Motion` and the like; modules among them."""
+    package = importlib.import_module("halfphysics")
+    found = {f"halfphysics.{n}" for n in package.__all__ if not n.startswith("__")}
+    for name in MODULES:
+        module = importlib.import_module(name)
+        found |= {name, *(f"{name}.{n}" for n in _own(module))}
+    return found
+
+
+def inventory(path: Path) -> set[str]:
+    """The Python names of an inventory of Sphinx: what other sites can link to."""
+    head, body = path.read_bytes().split(b"zlib.\n", 1)
+    assert head.startswith(b"# Sphinx inventory version 2"), path
+    lines = zlib.decompress(body).decode("utf-8").splitlines()
+    return {line.split(" ", 1)[0] for line in lines if " py:" in line}
 
 
 def stage(target: Path) -> None:
@@ -174,10 +200,7 @@ def _given() -> str:
 def _module(name: str, title: str) -> str:
     module = importlib.import_module(name)
     parts = [_title(f"{title}: {name}", "="), f".. automodule:: {name}\n   :no-members:\n"]
-    # What is a name of the package itself, too, has its entry there.
-    package = importlib.import_module("halfphysics")
-    own = [n for n in public(module) if getattr(module, n) is not getattr(package, n, None)]
-    parts += [_entry(name, n, getattr(module, n)) for n in own]
+    parts += [_entry(name, n, getattr(module, n)) for n in _own(module)]
     return "\n".join(parts)
 
 
@@ -196,6 +219,12 @@ def public(module: object) -> list[str]:
     ]
 
 
+def _own(module: object) -> list[str]:
+    """Public names of a module that are not the package's, too: those have their entry there."""
+    package = importlib.import_module("halfphysics")
+    return [n for n in public(module) if getattr(module, n) is not getattr(package, n, None)]
+
+
 def _entry(module: str, name: str, value: object) -> str:
     place = f"{module}.{name}"
     if inspect.isclass(value):
@@ -206,7 +235,7 @@ def _entry(module: str, name: str, value: object) -> str:
     if inspect.ismodule(value):
         return f"See :doc:`{place}`.\n"
     listed = ", ".join(f"``{key}``" for key in value) if isinstance(value, tuple | dict) else ""
-    return f".. py:data:: {place}\n   :type: {type(value).__name__}\n\n   {listed}\n"
+    return f".. py:data:: {name}\n   :module: {module}\n\n   {listed}\n"
 
 
 def _commands() -> str:
@@ -220,7 +249,11 @@ def _commands() -> str:
             main([name, "--help"])
         text = re.sub(r"\x1b\[[0-9;]*m", "", said.getvalue())
         body = "\n".join(f"   {line}".rstrip() for line in text.splitlines())
-        parts += [_title(name, "-"), f"{about[:1].upper()}{about[1:]}.\n", f"::\n\n{body}\n"]
+        parts += [
+            _title(name, "-"),
+            f"{about[:1].upper()}{about[1:]}.\n",
+            f".. code-block:: text\n\n{body}\n",
+        ]
     return "\n".join(parts)
 
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
+import importlib.util
 import re
-import sys
 from pathlib import Path
 
 import halfphysics
-
-sys.path.insert(0, str(Path(__file__).parent))  # mathml
 
 project = "halfphysics"
 copyright = "the halfphysics contributors, Apache-2.0"
@@ -19,9 +17,14 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx_copybutton",
-    "mathml",
+    "sphinx.ext.mathjax",
 ]
-html_math_renderer = "mathml"
+
+# -- Equations: MathJax, one script with its letters, in the site itself
+_mathjax = importlib.util.find_spec("sphinx-mathjax-offline").submodule_search_locations[0]
+_mathjax_script = Path(_mathjax) / "static" / "mathjax" / "tex-svg.js"
+mathjax_path = "mathjax/tex-svg.js"
+mathjax3_config = {"svg": {"fontCache": "global"}, "options": {"enableMenu": False}}
 
 # -- Markdown, in the dialect of GitHub
 myst_heading_anchors = 4
@@ -31,7 +34,7 @@ myst_fence_as_directive = ["math"]
 default_role = "py:obj"
 autodoc_member_order = "bysource"
 autodoc_preserve_defaults = True
-autodoc_typehints_format = "short"
+autodoc_typehints = "none"  # docstrings say shapes and units
 autodoc_class_signature = "mixed"
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
@@ -45,6 +48,7 @@ toc_object_entries_show_parents = "hide"
 # -- Look
 html_theme = "furo"
 html_title = "halfphysics"
+smartquotes = False
 html_static_path = ["static"]
 html_css_files = ["site.css"]
 html_copy_source = False
@@ -91,6 +95,19 @@ def _plain(app, what, name, obj, options, lines):
                 indent = here
 
 
+def _defaults(app, what, name, obj, options, signature, returned):
+    """What a dataclass makes anew for each object has no value to show."""
+    return signature and signature.replace("<factory>", "..."), returned
+
+
+def _copy_mathjax(app):
+    target = Path(app.outdir) / "_static" / "mathjax" / "tex-svg.js"
+    target.parent.mkdir(parents=True, exist_ok=True)
+    target.write_bytes(_mathjax_script.read_bytes())
+
+
 def setup(app):
     """Called by Sphinx."""
+    app.connect("builder-inited", _copy_mathjax)
+    app.connect("autodoc-process-signature", _defaults)
     app.connect("autodoc-process-docstring", _plain, priority=400)  # before napoleon

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import runpy
 from pathlib import Path
 
@@ -62,3 +63,25 @@ def test_beside_a_robot():
     assert turned == sorted(turned, reverse=True)  # the stiffer the joints, the less they give
     assert turned[0] > np.radians(10.0)
     assert turned[-1] < np.radians(2.0)
+
+
+def test_first_steps_in_a_notebook(tmp_path, monkeypatch, capsys):
+    """The cells run in their order, in one namespace; outputs are not kept in the file."""
+    monkeypatch.chdir(tmp_path)
+    notebook = json.loads((EXAMPLES / "first_steps.ipynb").read_text(encoding="utf-8"))
+    assert (notebook["nbformat"], notebook["nbformat_minor"]) == (4, 5)
+    names = {"__name__": "__main__"}
+    for cell in notebook["cells"]:
+        assert cell["id"]
+        if cell["cell_type"] != "code":
+            continue
+        assert cell["outputs"] == []
+        assert cell["execution_count"] is None
+        code = compile("".join(cell["source"]), f"first_steps.ipynb, {cell['id']}", "exec")
+        exec(code, names)
+    said = capsys.readouterr().out
+    assert "the ball went" in said
+    assert names["result"].clearance.min() > 0.0
+    assert names["before"].depth_max_mm > 10.0
+    assert names["after"].depth_max_mm == 0.0
+    assert (tmp_path / "result.glb").is_file()

@@ -15,7 +15,7 @@ import halfphysics as hp
 #: Frames of the small clips, at 30 a second.
 FRAMES = 12
 #: Frames a second of the result: seconds to cut films from, and few pictures to draw.
-SLOW = 3.0
+SLOW = 2.0
 
 _DOOR = """<mujoco><worldbody><body name="door" pos="0 2.5 1">
   <joint name="hinge" type="hinge" axis="0 0 1" range="-90 90" damping="1"/>

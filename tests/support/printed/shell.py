@@ -72,7 +72,7 @@ def _run_script(arguments: Sequence[str]) -> None:
     name, *rest = arguments
     if name == "evidence":
         _evidence(rest)
-    elif name in ("test", "check"):
+    elif name in ("test", "check", "docs"):
         _pytest(rest)
     else:
         read_command(arguments)

@@ -61,7 +61,7 @@ def document(options: Options, sections: Sequence[Mapping[str, Any]]) -> dict[st
 
 
 def verdict(sections: Sequence[Mapping[str, Any]]) -> dict[str, int]:
-    """Numbers of figures that are reproduced, not reproduced, shown without judgement, missing."""
+    """Numbers of figures of each verdict but those of quoted rows."""
     return {kind: n for kind, n in tally(sections).items() if kind != "quoted"}
 
 

@@ -97,6 +97,8 @@ class Figure:
         paper: The value of the paper, None if it has none.
         expected: The condition on `ours`, in words; "" without one.
         reproduced: Whether the condition holds; None: shown, not judged.
+        direction: The condition is the direction of the paper's finding and a smallest size, not
+            its number.
     """
 
     name: str
@@ -105,6 +107,7 @@ class Figure:
     paper: float | None = None
     expected: str = ""
     reproduced: bool | None = None
+    direction: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -195,10 +198,19 @@ def at_most(
 def at_least(
     limit: float, ours: float | None, *, name: str, unit: str = "", paper: float | None = None
 ) -> Figure:
-    """A figure that is reproduced where ours is at least `limit`."""
+    """A figure that is reproduced where ours is at least `limit`; where the paper has a number and
+    `limit` is less, its direction is confirmed."""
     good = None if ours is None else ours >= limit
     expected = f"at least {limit:g}"
-    return Figure(name=name, unit=unit, ours=ours, paper=paper, expected=expected, reproduced=good)
+    return Figure(
+        name=name,
+        unit=unit,
+        ours=ours,
+        paper=paper,
+        expected=expected,
+        reproduced=good,
+        direction=paper is not None and limit < paper,
+    )
 
 
 def between(low: float, high: float, ours: float | None, *, name: str, unit: str = "") -> Figure:

@@ -1,4 +1,4 @@
-"""Verdicts on the claims: which figures are reproduced, not reproduced, missing."""
+"""Verdicts on the claims: which figures are reproduced, confirmed in direction, missing."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import Any
 VERDICTS: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
         "reproduced": ("✓", "reproduced"),
+        "direction": ("↗", "direction confirmed"),
         "not_reproduced": ("✗", "not reproduced"),
         "shown": ("·", "shown"),
         "missing": ("–", "missing"),
@@ -45,7 +46,9 @@ def verdict(row: Mapping[str, Any], figure: Mapping[str, Any]) -> str:
         return "missing"
     if figure["reproduced"] is None:
         return "shown"
-    return "reproduced" if figure["reproduced"] else "not_reproduced"
+    if not figure["reproduced"]:
+        return "not_reproduced"
+    return "direction" if figure["direction"] else "reproduced"
 
 
 def tally(sections: Sequence[Mapping[str, Any]]) -> dict[str, int]:

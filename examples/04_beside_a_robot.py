@@ -1,7 +1,7 @@
 """A person beside a robot in a MuJoCo world of one's own: `hp.attach`.
 
 An arm with a servo swings into the way of a person who holds out an arm; how far each gives
-depends on how firm the person is and how strong the motor.
+depends on how stiff the person is and how strong the motor.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ import numpy as np
 
 
 def load(folder):
-    """Samples in order: pip install h5py. Only what is asked for is read from the disk."""
+    """Samples in order: pip install h5py. Only what is used is read from the disk."""
     import h5py
 
     for path in sorted(Path(folder).glob("shards/*/*.h5")):

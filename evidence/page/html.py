@@ -372,6 +372,8 @@ def _machine(machine: Mapping[str, Any]) -> str:
 def _legend() -> str:
     meanings = {
         "reproduced": "ours meets what is expected: what the paper claims comes out.",
+        "direction": "ours goes the paper's way by the smallest size that is expected; how much "
+        "more depends on the data, so both sizes are shown.",
         "not_reproduced": "ours does not meet what is expected.",
         "shown": "no pass or fail: the number stands beside the paper's, or for itself.",
         "missing": "something is expected, but the experiment did not run or ended in an error.",

@@ -14,7 +14,7 @@ from evidence.verdicts import VERDICTS, Claim, claims, verdict
 _RIGHT = {2, 3}
 _WIDEST = 34
 #: Replacements of the same width, for terminals without these signs.
-_PLAINER = str.maketrans("✓✗·–“…", "+X.-q~")
+_PLAINER = str.maketrans("✓↗✗·–“…", "+>X.-q~")
 
 
 def summary(document: Mapping[str, Any], *, encoding: str = "utf-8") -> str:

@@ -13,9 +13,9 @@ from evidence.document import verdict
 HOSTILE = "<script>alert(1)</script> \"&' \x1b[31m\u202egnp.\udcff" + "long_file_name" * 12
 
 
-def figure(name, unit, paper, ours, expected="", reproduced=None):
+def figure(name, unit, paper, ours, expected="", reproduced=None, direction=False):
     return {"name": name, "unit": unit, "paper": paper, "ours": ours, "expected": expected,
-            "reproduced": reproduced}  # fmt: skip
+            "reproduced": reproduced, "direction": direction}  # fmt: skip
 
 
 def row(name, figures, data="", setting="", note="", quoted=False):
@@ -114,8 +114,10 @@ def _table3():
         "A PD controller drives the joints, the root keeps its velocity. It loses the motion.",
         [
             row("joint torques (PD)", [
-                figure("MPJPE-g", "mm", 83.109, 61.4567, "at least 10 over half-physics", True),
-                figure("MPJPE", "mm", 82.273, 60.98, "at least 10 over half-physics", True),
+                figure("MPJPE-g", "mm", 83.109, 61.4567, "at least 10 over half-physics", True,
+                       True),
+                figure("MPJPE", "mm", 82.273, 60.98, "at least 10 over half-physics", True,
+                       True),
             ], "dance, embedded, 12 clips",
                "Settings(mode='torque', joint_damping=0.8, stiffness=1.0)"),
         ],

@@ -125,10 +125,18 @@ def test_the_verdict_counts_every_figure_once():
     rows = [
         {"quoted": False, "figures": [vars(at_most(1.0, x, name="x")) for x in (0.5, 2.0, None)]},
         {"quoted": False, "figures": [vars(Figure(name="y", ours=1.0))]},
+        # 39.7 mm where the paper has 145.5: its direction, not its number.
+        {"quoted": False, "figures": [vars(at_least(10.0, 39.7, name="z", paper=145.5))]},
         {"quoted": True, "figures": [vars(Figure(name="y", ours=None, paper=1.0))]},
     ]
     counted = document.verdict([{"rows": rows, "failed": [{"task": "t", "cause": "c"}]}])
-    assert counted == {"reproduced": 1, "not_reproduced": 1, "shown": 1, "missing": 2}
+    assert counted == {
+        "reproduced": 1,
+        "direction": 1,
+        "not_reproduced": 1,
+        "shown": 1,
+        "missing": 2,
+    }
 
 
 # -- the store -----------------------------------------------------------------------------------

@@ -9,6 +9,7 @@ import evidence_sample as sample
 import pytest
 
 from evidence.page import html
+from evidence.verdicts import VERDICTS
 from support.browser import CHROMIUM, tab
 
 SIZES = {"desktop": (1280, 800), "phone": (390, 844), "small": (320, 568), "between": (700, 900)}
@@ -91,14 +92,14 @@ def test_what_is_not_reproduced_is_said_before_everything_else(made):
 def test_every_figure_is_there_with_its_verdict(made):
     rows = re.findall(r'<td class="verdict"><span class="mark (\w+)"><b aria-hidden="true">(.)',
                       made)  # fmt: skip
-    expected = {kind: 0 for kind in ("reproduced", "not_reproduced", "shown", "missing", "quoted")}
+    expected = {kind: 0 for kind in VERDICTS}
     for kind, _ in rows:
         expected[kind] += 1
     counts = {k: sample.document()["verdict"][k] + sample.speed()["verdict"][k]
-              for k in ("reproduced", "not_reproduced", "shown", "missing")}  # fmt: skip
+              for k in VERDICTS if k != "quoted"}  # fmt: skip
     counts["missing"] -= 2  # tasks that ended in an error have no row
     assert expected == {**counts, "quoted": 2}
-    assert {mark for _, mark in rows} == set("✓✗·–“")
+    assert {mark for _, mark in rows} == set("✓↗✗·–“")
 
 
 def test_a_section_without_numbers_of_the_paper_has_no_column_of_them(made):

@@ -339,6 +339,7 @@ def test_the_command_makes_the_report(tmp_path):
     assert png.startswith(b"\x89PNG")
     assert report.content["verdict"] == {
         "reproduced": 18,
+        "direction": 0,
         "not_reproduced": 0,
         "shown": 0,
         "missing": 0,

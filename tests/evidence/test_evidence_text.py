@@ -17,7 +17,8 @@ def test_what_is_not_reproduced_comes_first(said):
     lines = said.splitlines()
     counts = sample.document()["verdict"]
     assert lines[0].endswith(
-        f"{counts['reproduced']} reproduced, {counts['not_reproduced']} not reproduced, "
+        f"{counts['reproduced']} reproduced, {counts['direction']} direction confirmed, "
+        f"{counts['not_reproduced']} not reproduced, "
         f"{counts['shown']} shown, {counts['missing']} missing"
     )
     first = said.split("\n\n")[1].splitlines()
@@ -40,7 +41,7 @@ def test_every_figure_and_command_is_there(said):
 def test_columns_stand_under_each_other(said):
     table = said.split("Table 3: joint torques instead of velocities\n")[1].splitlines()[:3]
     assert table[0].index("paper") + 5 == table[1].index("83.109") + 6
-    assert table[1].index("✓") == table[2].index("✓")
+    assert table[1].index("↗") == table[2].index("↗")
     assert table[0].index("expected") == table[1].index("at least 10")
 
 

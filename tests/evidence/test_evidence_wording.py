@@ -83,12 +83,14 @@ def test_names_in_any_script_stay():
 
 
 def test_verdicts():
-    def of(ours, expected, reproduced, quoted=False):
+    def of(ours, expected, reproduced, direction=False, quoted=False):
         row = sample.row("x", [], quoted=quoted)
-        return verdict(row, sample.figure("m", "", 1.0, ours, expected, reproduced))
+        return verdict(row, sample.figure("m", "", 1.0, ours, expected, reproduced, direction))
 
     assert of(1.0, "1", True) == "reproduced"
     assert of(1.0, "2", False) == "not_reproduced"
+    assert of(1.0, "1", True, direction=True) == "direction"
+    assert of(1.0, "2", False, direction=True) == "not_reproduced"
     assert of(1.0, "", None) == "shown"
     assert of(None, "", None) == "shown"
     assert of(None, "1", None) == "missing"

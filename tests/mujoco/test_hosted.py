@@ -108,6 +108,71 @@ def test_motion_is_followed_exactly_where_nothing_touches():
         assert np.abs(apart).max() < 1e-12
 
 
+#: Frame rates of cameras, tracking systems and headsets [1/s].
+RATES = (24.0, 30.0, 60.0, 120.0, 29.97)
+
+
+@pytest.mark.parametrize("fps", RATES)
+@pytest.mark.parametrize("timestep", [None, 0.0017, 0.004])
+def test_any_frame_rate_with_any_timestep(fps, timestep):
+    """Person and world are where they belong at each frame; None: MuJoCo's default of 2 ms."""
+    spec = mujoco.MjSpec.from_string("""<mujoco><worldbody>
+      <body name="ball" pos="3 0 9"><freejoint/><geom size="0.1" mass="1"/></body>
+    </worldbody></mujoco>""")
+    human = hp.attach(spec)
+    model = spec.compile()
+    model.opt.timestep = timestep or model.opt.timestep
+    given = model.opt.timestep
+    data = mujoco.MjData(model)
+    control = human.bind(model, data, settings=as_it_is())
+    motion = hp.scenarios.load("walk_into_wall", fps=fps).motion[:8]
+    control.reset(motion[0])
+    times = []
+    mujoco.set_mjcb_control(lambda _, data: times.append(data.time))
+    try:
+        for i in range(1, 8):
+            control.step(motion[i], dt=1.0 / fps)
+            assert data.time == pytest.approx(i / fps, abs=1e-13)
+            np.testing.assert_allclose(control.pose.translation, motion[i].translation, atol=1e-12)
+            back = rot.conjugate(rot.exp(control.pose.rotations))
+            apart = rot.log(rot.multiply(back, rot.exp(motion[i].rotations)))
+            assert np.abs(apart).max() < 1e-12
+            # Semi-implicit Euler: v = -g t to rounding, whatever the length of the steps.
+            assert data.qvel[2] == pytest.approx(-9.81 * i / fps, abs=1e-11)
+    finally:
+        mujoco.set_mjcb_control(None)
+    steps = np.diff([*times, 7.0 / fps])
+    assert steps.max() <= given * (1.0 + 1e-6)
+    assert np.ptp(steps) < 1e-13
+    assert model.opt.timestep == given
+
+
+@pytest.mark.parametrize("fps", RATES)
+def test_momentum_is_balanced_at_any_frame_rate(fps):
+    _, data, control, pose = thrown("parts", timestep=0.002)
+    met = 0.0
+    for _ in range(round(0.15 * fps)):
+        before = data.qvel[:3].copy()
+        control.step(pose, dt=1.0 / fps)
+        got = control.contacts.impulse.sum(axis=0)
+        np.testing.assert_allclose(0.5 * (data.qvel[:3] - before), -got, atol=1e-12)
+        met += np.linalg.norm(got)
+    assert met > 0.5  # [N s]; the ball has 3
+
+
+def test_a_step_that_fails_leaves_the_timestep(monkeypatch):
+    model, _, control, pose = thrown("parts")
+    given = model.opt.timestep
+
+    def fails(*_):
+        raise RuntimeError("of the host")
+
+    monkeypatch.setattr(mujoco, "mj_step", fails)
+    with pytest.raises(RuntimeError, match="of the host"):
+        control.step(pose, dt=1.0 / 30.0)
+    assert model.opt.timestep == given
+
+
 #: The arm's swing: some centimetres beyond its contact with the forearm [rad].
 SWING = 0.8
 
@@ -184,11 +249,14 @@ BALL = """
 """
 
 
-def thrown(contact: str) -> tuple[mujoco.MjModel, mujoco.MjData, object, hp.Pose]:
+def thrown(
+    contact: str, timestep: float | None = None
+) -> tuple[mujoco.MjModel, mujoco.MjData, object, hp.Pose]:
     """A ball that flies at the person's right forearm at 6 m/s."""
     spec = mujoco.MjSpec.from_string(BALL.format(z=HEIGHT + WRIST))
     human = hp.attach(spec, prefix="p/")
     model = spec.compile()
+    model.opt.timestep = timestep or model.opt.timestep
     data = mujoco.MjData(model)
     control = human.bind(model, data, settings=hp.Settings(contact=contact))
     data.qvel[:3] = (0.0, 6.0, 0.0)
@@ -300,8 +368,9 @@ def test_mistakes_say_what_was_expected():
         control.reset(np.zeros(165))
     with pytest.warns(HalfPhysicsWarning, match="inside upper"):  # of this spec's arm
         control.reset(t_pose())
-    with pytest.raises(InputError, match=r"whole number of the model's timesteps of 0\.002"):
-        control.step(t_pose(), dt=1.0 / 30.0)
+    for wrong in (0.0, -1.0 / 30.0, np.nan, np.inf, "1/30"):
+        with pytest.raises(InputError, match=r"step: dt: found .*, expected a time above 0"):
+            control.step(t_pose(), dt=wrong)
     with pytest.raises(InputError, match="expected one that get_state gave"):
         control.set_state(control.get_state()[:-8])
     with pytest.raises(InputError, match="has no contact with itself yet"):

@@ -224,5 +224,5 @@ def test_our_reader_in_the_docs(folder):
     text = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
     (block,) = re.findall(r"```python\n(import halfphysics\.sweep\n.*?)```", text, re.DOTALL)
     names = {}
-    exec(block.replace('"out"', repr(str(folder))), names)
+    exec(block.replace('"data"', repr(str(folder))), names)
     assert names["poses"].shape == (30, 156)

@@ -106,7 +106,7 @@ def build(
         fps: Frames per second.
         shakes: How often the hands go up and down.
         height: Of a shake up, and down [m].
-        press: How far each palm wants to go into the other's [m]: the firmness of the grip.
+        press: How far each palm wants to go into the other's [m]: how hard they press.
         stature: Of the second person [m].
         body: The first person; None: the default body.
         other: The second person; None: the default body of that stature.

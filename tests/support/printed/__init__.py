@@ -1,0 +1,1 @@
+"""What the documents print, run as it is printed: blocks of Python, lines of the shell."""

@@ -16,7 +16,14 @@ OTHERS = {
     "tools": "mirrors tools/ at the root",
 }
 #: Test files at the root of tests: about the package as a whole.
-WHOLE = {"test_api.py", "test_docs.py", "test_layers.py", "test_mirror.py", "test_printed.py"}
+WHOLE = {
+    "test_api.py",
+    "test_docs.py",
+    "test_layers.py",
+    "test_mirror.py",
+    "test_packaging.py",
+    "test_printed.py",
+}
 
 
 def files_of_tests():

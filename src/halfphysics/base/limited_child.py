@@ -19,6 +19,10 @@ from pathlib import Path
 _PRELOADED = ("LD_PRELOAD", "DYLD_INSERT_LIBRARIES")
 
 
+#: Windows ends a process that crashes with the number of the fault; all of them are from here on.
+_WINDOWS_FAULT = 0x8000_0000
+
+
 @dataclass(frozen=True)
 class Answer:
     """What a child wrote to its standard output, or why it did not: `failure` is then a clause."""
@@ -63,7 +67,7 @@ def run(script: Path, request: bytes, *, seconds: float, memory: int) -> Answer:
         return Answer(b"", f"took more than {seconds:g} s")
     except OSError as error:
         return Answer(b"", f"cannot start a process: {error.strerror}")
-    if done.returncode < 0:
+    if done.returncode < 0 or done.returncode >= _WINDOWS_FAULT:
         return Answer(b"", "crashed the program that read it")
     if done.returncode:
         return Answer(b"", "ended the program that read it")

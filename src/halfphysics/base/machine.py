@@ -8,6 +8,8 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from halfphysics.base import windows
+
 #: Where control groups (of containers and job systems) state limits of memory and cores.
 _GROUPS = Path("/sys/fs/cgroup")
 
@@ -24,7 +26,7 @@ def cores() -> int:
 def memory() -> int:
     """The memory that this process may use at most, together with all others [bytes]."""
     if sys.platform == "win32":
-        return _windows_memory()
+        return windows.memory()
     total = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     limits = [*_limits("memory.max"), *_limits("memory/memory.limit_in_bytes")]
     return min([total, *(limit[0] for limit in limits if limit)])
@@ -32,6 +34,8 @@ def memory() -> int:
 
 def resident() -> int:
     """Memory of this process [bytes]; where the system does not tell, its peak memory."""
+    if sys.platform == "win32":
+        return windows.resident()
     try:
         pages = int(Path("/proc/self/statm").read_text().split()[1])
     except OSError:
@@ -55,7 +59,7 @@ def limit_memory(most: int) -> None:
 def is_running(process: int) -> bool:
     """Whether a process of this number runs on this machine; True where that cannot be told."""
     if sys.platform == "win32":
-        return True
+        return windows.is_running(process)
     try:
         os.kill(process, 0)
     except ProcessLookupError:
@@ -89,24 +93,7 @@ def _limits(name: str) -> Iterator[list[int]]:
 
 
 def _most_held() -> int:
-    if sys.platform == "win32":
-        return 0
     import resource
 
     most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return most if sys.platform == "darwin" else 1024 * most
-
-
-def _windows_memory() -> int:
-    import ctypes
-
-    class Status(ctypes.Structure):
-        _fields_ = (
-            ("length", ctypes.c_ulong),
-            ("load", ctypes.c_ulong),
-            *((name, ctypes.c_ulonglong) for name in ("total", "free", "a", "b", "c", "d", "e")),
-        )
-
-    status = Status(length=ctypes.sizeof(Status))
-    ctypes.windll.kernel32.GlobalMemoryStatusEx(ctypes.byref(status))  # type: ignore[attr-defined]
-    return int(status.total)

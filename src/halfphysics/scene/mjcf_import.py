@@ -198,7 +198,7 @@ def _check_includes(what: str, where: str, root: Any, base: Path | None, seen: l
         if target in seen or len(seen) > _MOST_INCLUDES:
             continue
         seen.append(target)
-        inner = target.read_text(errors="replace")
+        inner = target.read_text(encoding="utf-8", errors="replace")
         if "<!DOCTYPE" in inner or "<!ENTITY" in inner:
             raise InputError(f"{where}: found XML entities in {target}; remove them")
         try:

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import errno
+import importlib
 import os
 import socket
 from pathlib import Path
+from typing import Any
 
 from halfphysics.base.json_files import reported
 from halfphysics.errors import InputError
 
 try:
     import fcntl
-except ImportError:  # Windows: no locks, no process is refused
+except ImportError:  # Windows has locks of its own
     fcntl = None  # type: ignore[assignment]
 
 #: Errors of file systems without locks: there the user must run only one driver.
 _NO_LOCKS = (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL)
+#: Windows locks bytes, which nobody else may then read: this one, far behind the holder's name.
+_LOCKED_BYTE = 1 << 30
 # POSIX locks belong to a process, which may lock the same file again: remember its locks.
 _held: set[Path] = set()
 
@@ -24,8 +28,9 @@ _held: set[Path] = set()
 class Lock:
     """Locks `path` from `take` until `release` or the end of the process.
 
-    The lock belongs to the process (POSIX), not to the open file: workers that outlive a killed
-    driver do not keep it, and it is valid across machines that share a file system.
+    The lock belongs to the process, not to the open file (on Windows to the file as this process
+    has it open): workers that outlive a killed driver do not keep it, and it is valid across
+    machines that share a file system.
     """
 
     def __init__(self, path: Path) -> None:
@@ -73,9 +78,21 @@ class Lock:
 
 def _locked(handle: int) -> bool:
     if fcntl is None:
-        return True
+        return _locked_by_windows(handle)
     try:
         fcntl.lockf(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as error:
         return error.errno in _NO_LOCKS
+    return True
+
+
+def _locked_by_windows(handle: int) -> bool:
+    msvcrt: Any = importlib.import_module("msvcrt")
+    try:
+        os.lseek(handle, _LOCKED_BYTE, os.SEEK_SET)
+        msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
+    except OSError as error:
+        return error.errno in _NO_LOCKS
+    finally:
+        os.lseek(handle, 0, os.SEEK_SET)
     return True

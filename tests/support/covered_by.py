@@ -179,6 +179,9 @@ COVERED_BY = {
     "native/geometry/*": "geometry/test_mesh_queries.py native/geometry/test_convex.py",
     "native/geometry/skinning.*": "body/test_skinning.py",
     "native/labels/*": "labels/test_reference.py",
+    "native/dynamics/chain_factor.*": "native/dynamics/test_inertia_factor.cpp",
+    "native/dynamics/half_solve.*": "native/dynamics/test_inertia_factor.cpp",
+    "native/dynamics/inertia.*": "native/dynamics/test_kinematic_tree.py",
     "native/math/*": (
         "native/math/test_dense.cpp native/geometry/test_convex.py body/test_skinning.py"
     ),

@@ -91,6 +91,14 @@ class PageCameras {
   preset(name, frame) { this.look(presetView(name, frame), frame); }
   home(frame) { this.look(homeView(frame), frame); }
 
+  /** The whole motion; the camera stays there. */
+  everything(frame) {
+    const ends = [0, 3].map((start) => [0, 1, 2].map((k) =>
+      data.track.reduce((end, row) => (start ? Math.max : Math.min)(end, row[start + k]), start ? -1e9 : 1e9)));
+    this.following = false;
+    this.look(framed(corners(...ends, MARGIN.body), data.direction, FILLED.body, windowShape()), frame);
+  }
+
   follow(frame) {
     this.following = !this.following;
     if (this.following) {

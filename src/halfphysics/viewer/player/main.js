@@ -57,7 +57,11 @@ async function startPage(packed) {
         painted = -1;
         redraw();
       },
-      camera: (name) => (name === "Everything" ? cameras.home(frame()) : cameras.preset(name, frame())),
+      camera(name) {
+        if (name === "Everything") cameras.everything(frame());
+        else cameras.preset(name, frame());
+        panel.follow.classList.toggle("hp-on", cameras.following);
+      },
       follow,
     });
     panel.follow.classList.toggle("hp-on", cameras.following);

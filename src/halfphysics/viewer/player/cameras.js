@@ -4,7 +4,7 @@
 // their `middle`, the direction `left` of the first person, and `hands`.
 
 const MARGIN = { body: 0.16, hands: 0.06 }; // around joints [m]
-const FILLED = { home: 0.6, whole: 0.92, body: 0.8, hands: 0.7 }; // filled share of the window
+const FILLED = { home: 0.76, whole: 0.92, body: 0.8, hands: 0.7 }; // filled share of the window
 const LEAST = 0.6; // least distance from the middle [m]
 const LATE = 0.25; // time constant of following [s]
 const ZOOM = 0.6; // time constant of the distance, where several people part or meet [s]

@@ -68,9 +68,9 @@ def ghost(picture):
 
 
 def scene(page):
-    """The part of the picture that the panel does not cover."""
+    """The part of the picture that neither the panel nor the bar covers."""
     page.page.wait_for_timeout(300)
-    picture = page.picture()
+    picture = page.picture()[: int(page.box("#hp-bar")[1])]
     left, top, _, _ = panel(page)
     return picture[:, : int(left)] if page.name == "desktop" else picture[: int(top)]
 

@@ -4,7 +4,7 @@
 // their `middle`, the direction `left` of the first person, and `hands`.
 
 const MARGIN = { body: 0.16, hands: 0.06 }; // around joints [m]
-const FILLED = { home: 0.76, whole: 0.92, body: 0.8, hands: 0.7 }; // filled share of the window
+const FILLED = { home: 0.76, body: 0.8, hands: 0.7 }; // filled share of the window
 const LEAST = 0.6; // least distance from the middle [m]
 const LATE = 0.25; // time constant of following [s]
 const ZOOM = 0.6; // time constant of the distance, where several people part or meet [s]
@@ -77,14 +77,6 @@ function distanceAt(frame) {
   return Math.hypot(...add(position, target, -1));
 }
 
-/** The whole motion. */
-function wholeView() {
-  const ends = data.track.map((_, frame) => trackAt(frame));
-  const low = [0, 1, 2].map((k) => Math.min(...ends.map((at) => at.low[k])));
-  const high = [0, 1, 2].map((k) => Math.max(...ends.map((at) => at.high[k])));
-  return framed(corners(low, high, MARGIN.body), data.direction, FILLED.whole, windowShape());
-}
-
 class PageCameras {
   constructor() {
     this.following = data.follow;
@@ -104,10 +96,12 @@ class PageCameras {
   preset(name, frame) { this.look(presetView(name, frame), frame); }
   home(frame) { this.look(homeView(frame), frame); }
 
-  /** Sees everything, and stays. */
-  whole(frame) {
+  /** The whole motion; the camera stays there. */
+  everything(frame) {
+    const ends = [0, 3].map((start) => [0, 1, 2].map((k) =>
+      data.track.reduce((end, row) => (start ? Math.max : Math.min)(end, row[start + k]), start ? -1e9 : 1e9)));
     this.following = false;
-    this.look(wholeView(), frame);
+    this.look(framed(corners(...ends, MARGIN.body), data.direction, FILLED.body, windowShape()), frame);
   }
 
   follow(frame) {

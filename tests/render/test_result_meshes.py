@@ -7,7 +7,8 @@ import pytest
 
 from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
-from halfphysics.render.result_meshes import FLOOR, Drawing
+from halfphysics.render.look import LIGHT
+from halfphysics.render.result_meshes import Drawing
 from support.results.small_result import FRAMES, small_result
 
 
@@ -54,7 +55,7 @@ def test_things_stand_where_they_are(drawing):
 def test_a_floor_is_chequered_level_and_larger_than_the_story(drawing):
     floor = drawing.surfaces(0)["static/floor"]
     np.testing.assert_array_equal(floor.vertices[:, 2], 0.0)
-    assert (floor.color, floor.checker) == FLOOR
+    assert floor.color == LIGHT.ground
     people = drawing.surfaces(0)["person/0"].vertices
     assert (floor.vertices.min(axis=0)[:2] < people.min(axis=0)[:2] - 5).all()
     assert (floor.vertices.max(axis=0)[:2] > people.max(axis=0)[:2] + 5).all()

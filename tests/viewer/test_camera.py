@@ -11,6 +11,7 @@ from halfphysics.motion.skeleton import JOINT_INDEX
 from halfphysics.render.rasterizer import Camera
 from halfphysics.render.viewpoint import FOV
 from halfphysics.viewer.camera import PRESETS, Cameras, Follower
+from halfphysics.viewer.framing import on_people
 from support.results.small_result import small_result
 
 DESKTOP, PHONE = (1280, 800), (390, 844)
@@ -266,3 +267,61 @@ def test_a_window_of_another_shape_is_framed_anew_unless_somebody_has_turned(vis
     assert client.camera.position is turned
     seen.home(client)
     assert at_home(client)
+
+
+def test_people_fill_half_of_the_height_at_first_and_are_followed(scene):
+    seen, shown, client = scene
+    direction = np.array([0.6, -1.0, 0.4])
+    first = SimpleNamespace(position=np.full(3, 9.0), look_at=np.zeros(3))
+    seen._server.initial_camera = first
+    seen._home = lambda window: on_people(seen.people(), direction, window)
+    seen.following = True
+    seen.watch()
+    assert client.camera.look_at is not first.look_at
+
+    def place():
+        camera = Camera(position=client.camera.position, target=client.camera.look_at, fov=FOV)
+        return on_screen(camera, skin + shown.at[0], DESKTOP)
+
+    person = small_result().people[0]
+    skin = person.body.vertices(person.motion, frames=[0])[0] - shown.at[0]
+    before = place()
+    assert np.ptp(before[:, 1]) / DESKTOP[1] == pytest.approx(0.5, abs=0.06)
+    walk(client, seen, shown, 3.0)
+    # A quarter of a second late, and as large as before.
+    assert np.ptp(place()[:, 1]) == pytest.approx(np.ptp(before[:, 1]), rel=0.1)
+    assert np.abs(place().mean(axis=0) - before.mean(axis=0)).max() < 120
+
+
+def test_reports_of_an_older_camera_are_no_hand(scene):
+    """A browser that has just come reports an older camera until it has the home view."""
+    seen, shown, client = scene
+    seen._server.initial_camera = SimpleNamespace(position=np.full(3, 9.0), look_at=np.zeros(3))
+    home = Camera(position=np.array([3.0, -4.0, 1.5]), target=shown.at[0] + [0.2, 0.0, 0.0])
+    seen._home = lambda window: home
+    seen.following = True
+    old = client.camera.position, client.camera.look_at
+    seen.watch()
+    client.camera.position, client.camera.look_at = old
+    walk(client, seen, shown, 0.5)
+    np.testing.assert_array_equal(client.camera.look_at, old[1])
+    client.camera.position, client.camera.look_at = home.position, home.target
+    walk(client, seen, shown, 2.0)
+    np.testing.assert_allclose(
+        client.camera.position - client.camera.look_at, home.position - home.target, atol=1e-9
+    )
+    aside = client.camera.look_at - shown.at[0]
+    np.testing.assert_allclose(aside, [0.2 - 0.25 * 1.2, 0.0, 0.0], atol=0.05)
+
+
+def test_who_sees_everything_follows_nobody_until_another_view(scene):
+    seen, shown, client = scene
+    far = Camera(position=np.array([9.0, -9.0, 5.0]), target=np.zeros(3))
+    seen._everything = lambda window: far
+    seen.following = True
+    seen.everything(client)
+    walk(client, seen, shown, 1.0)
+    np.testing.assert_array_equal(client.camera.position, far.position)
+    seen.preset(client, "Front")
+    walk(client, seen, shown, 1.0)
+    assert np.linalg.norm(client.camera.look_at - shown.at[0]) < 1.0

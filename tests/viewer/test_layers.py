@@ -40,11 +40,11 @@ def test_support_and_glass_start_hidden(stage):
 
 
 def test_bodies_are_glass_while_any_layer_asks_for_it(stage):
-    body = stage.people[0].handle
+    pieces = stage.people[0].handles.values()
     for support, glass in [(True, False), (True, True), (False, True), (False, False)]:
         stage.layers[SUPPORT].visible = support
         stage.layers["glass"].visible = glass
-        assert body.opacity == (GLASS if support or glass else None)
+        assert {piece.opacity for piece in pieces} == {GLASS if support or glass else None}
 
 
 def test_legends_name_every_colour():

@@ -57,10 +57,21 @@ def page(request, playground, tmp_path_factory):
         if request.param == "phone":  # the panel is a sheet that is folded at first
             one.page.wait_for_timeout(1000)
             one.page.click("text='halfphysics play'")
+        see_everything(playground)
         one.until(lambda: len(ball(scene(one))) > 3)
         yield one
         # The browser's message about a wheel over viser's own dropdowns, not ours.
         assert [e for e in one.errors if "passive event listener" not in e] == []
+
+
+def see_everything(playground):
+    """The ball is too far away for the first view, which has the person at half of the height."""
+
+    def everything():
+        for client in playground.server.get_clients().values():
+            playground.cameras.everything(client)
+
+    playground.do(everything)
 
 
 def stand(playground):
@@ -126,8 +137,8 @@ def test_it_says_what_it_does_and_nothing_overlaps(page, playground):
 def test_everybody_is_in_the_free_part_of_the_window(page, playground):
     picture = scene(page)
     red, _, blue = np.moveaxis(picture, -1, 0)
-    person = np.argwhere((red - blue > 12) & (red - blue < 70) & (red < 240))
-    assert len(person) > 150
+    person = np.argwhere((red - blue > 25) & (red - blue < 120))  # bare skin
+    assert len(person) > 40
     assert person[:, 1].min() > 2
     assert len(ball(picture)) > 3
 

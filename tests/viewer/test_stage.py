@@ -8,7 +8,9 @@ import pytest
 from halfphysics.base import rotations as rot
 from halfphysics.body.body import Body
 from halfphysics.errors import InputError
-from halfphysics.motion.skeleton import JOINT_INDEX, N_JOINTS
+from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES, N_JOINTS
+from halfphysics.render.look import GHOST_ALPHA
+from halfphysics.render.result_meshes import Drawing
 from halfphysics.viewer.bones import GRAIN
 from halfphysics.viewer.figure import Figure, _gathered, moving_joints, shrunk, strongest
 from halfphysics.viewer.server import close_server, open_server
@@ -64,7 +66,12 @@ def test_a_frame_puts_everybody_where_they_were(server, stage, frame):
         ("ghost", person.reference, stage.ghosts[0]),
     ):
         wanted = person.body.joints(motion)[frame][figure.joints]
-        np.testing.assert_allclose(bones(server, f"/{kind}/0"), wanted, atol=GRAIN)
+        for name, handle in figure.handles.items():
+            if handle.visible:
+                found = bones(server, f"/{kind}/0/{name}")
+                np.testing.assert_allclose(found, wanted[figure.bones_of(name)], atol=GRAIN)
+    # The ghost is 12 cm from the body from frame 6 on.
+    assert {h.visible for h in stage.ghosts[0].handles.values()} == {frame >= 6}
     ball = small_result().objects["ball"].position[frame]
     np.testing.assert_allclose(stage.object("ball").position, ball, atol=GRAIN)
 
@@ -80,15 +87,17 @@ def test_what_is_hidden_is_not_sent_and_right_when_shown(server, stage):
     stage.show(0)
     ghost = stage.layers["ghost"]
     ghost.visible = False
-    before = bones(server, "/ghost/0")
+    before = bones(server, "/ghost/0/trunk")
     stage.show(FRAMES - 1)
-    np.testing.assert_array_equal(bones(server, "/ghost/0"), before)
-    assert not stage.ghosts[0].handle.visible
+    np.testing.assert_array_equal(bones(server, "/ghost/0/trunk"), before)
+    assert not stage.ghosts[0].node.visible
     ghost.visible = True
     person = small_result().people[0]
-    wanted = person.body.joints(person.reference)[-1][stage.ghosts[0].joints]
-    np.testing.assert_allclose(bones(server, "/ghost/0"), wanted, atol=GRAIN)
-    assert stage.ghosts[0].handle.visible
+    figure = stage.ghosts[0]
+    wanted = person.body.joints(person.reference)[-1][figure.joints]
+    found = bones(server, "/ghost/0/trunk")
+    np.testing.assert_allclose(found, wanted[figure.bones_of("trunk")], atol=GRAIN)
+    assert figure.node.visible
 
 
 def test_layers_hide_their_parts(stage):
@@ -109,7 +118,9 @@ def test_live_poses_and_places(server):
 
     positions, quaternions = body.joint_frames(Pose(np.array([1.0, 2.0, 3.0]), rotations))
     live.pose(0, positions, quaternions)
-    np.testing.assert_allclose(bones(server, "/live/person/0"), positions, atol=GRAIN)
+    for name in live.people[0].handles:
+        wanted = positions[live.people[0].bones_of(name)]
+        np.testing.assert_allclose(bones(server, f"/live/person/0/{name}"), wanted, atol=GRAIN)
     live.place("ball", np.array([0.0, 1.0, 2.0]), np.array([1.0, 0, 0, 0]))
     np.testing.assert_array_equal(live.object("ball").position, [0.0, 1.0, 2.0])
     with pytest.raises(InputError, match="expected one of ball"):
@@ -185,14 +196,47 @@ def test_shrinking_a_cube_moves_its_faces_in():
     assert (np.abs(inner) < 1.0).all()
 
 
-def test_a_ghost_leaves_its_depth(server):
-    from dataclasses import replace
-
-    from halfphysics.render.result_meshes import Drawing
-
+def ghost(server, name):
     body = Body.default()
-    skin = replace(Drawing(small_result()).skin(0, True), vertices=body.rest_vertices)
-    figure = Figure(server, "/glass", skin, body)
-    assert [m.opacity for m in figure._meshes] == [0.0, skin.alpha]
-    figure.visible = False
-    assert [m.visible for m in figure._meshes] == [False, False]
+    return Figure(server, name, Drawing(small_result()).skin(0, True), body)
+
+
+def test_parts_of_a_ghost_fade_with_their_distance(server):
+    figure = ghost(server, "/faint")
+    assert not any(handle.visible for handle in figure.handles.values())
+    apart = dict.fromkeys(figure.handles, 0.005) | {"left-hand": 0.2, "trunk": 0.02}
+    figure.fade(apart)
+    shown = {name: h.opacity for name, h in figure.handles.items() if h.visible}
+    assert shown == {"left-hand": GHOST_ALPHA, "trunk": pytest.approx(0.5 * GHOST_ALPHA)}
+    figure.fade(dict.fromkeys(figure.handles, 0.0))
+    assert not any(handle.visible for handle in figure.handles.values())
+
+
+def test_a_part_that_appears_is_where_it_should_be(server):
+    """Poses are not sent while a part is hidden: the present one is sent when it appears."""
+    figure = ghost(server, "/late")
+    person = small_result().people[0]
+    positions, quaternions = (a[3] for a in person.body.joint_frames(person.motion))
+    figure.pose(positions, quaternions)
+    assert len(bones(server, "/late/trunk")) == 0
+    figure.fade(dict.fromkeys(figure.handles, 1.0))
+    wanted = positions[figure.bones_of("trunk")]
+    np.testing.assert_allclose(bones(server, "/late/trunk"), wanted, atol=GRAIN)
+
+
+def test_pieces_have_only_the_bones_that_move_them(server):
+    figure = Figure(server, "/dressed", Drawing(small_result()).skin(0, False), Body.default())
+    assert list(figure.handles) == ["shirt", "trousers", "skin", "shoes", "hair"]
+    names = {n: {JOINT_NAMES[k] for k in figure.bones_of(n)} for n in figure.handles}
+    assert {"left_ankle", "right_foot"} <= names["shoes"]
+    assert not names["shoes"] & {"spine3", "left_wrist", "head"}
+    assert "left_index3" in names["skin"]
+    assert sum(map(len, names.values())) < 1.7 * N_JOINTS
+
+
+def test_the_edges_of_statics_are_one_node(server):
+    made = Stage(server, small_result(), "/lined")
+    node = server.scene._handle_from_node_name["/lined/edges"]
+    assert node.points.shape == (24, 2, 3)  # a wall and a bench
+    made.layers["scene"].visible = False
+    assert not node.visible

@@ -63,7 +63,8 @@ def unfolded(page):
 def ghost(picture):
     """The number of pixels in a ghost's blue."""
     red, green, blue = np.moveaxis(picture, -1, 0)
-    return ((blue - red > 30) & (green > red) & (blue < 250) & (blue - red < 140)).sum()
+    # Neither the sky's nor a shirt's.
+    return ((blue - red > 30) & (blue - green > 18) & (blue < 250) & (blue - red < 140)).sum()
 
 
 def scene(page):

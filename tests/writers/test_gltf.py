@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 import halfphysics as hp
 from halfphysics.body.body import Body
 from halfphysics.motion.skeleton import JOINT_NAMES
-from halfphysics.render.result_meshes import OBJECTS, PEOPLE
+from halfphysics.render.look import BODIES, OBJECTS
 from halfphysics.results.result import ObjectTrack
 from halfphysics.writers.take import take_of
 from support.files.gltf_reader import Gltf
@@ -231,7 +231,7 @@ def test_colors_are_those_of_the_pictures(tmp_path):
     result = make_result(Body.default(), people=2)
     hp.export(result, tmp_path / "r.glb")
     materials = {m["name"]: m for m in Gltf(tmp_path / "r.glb").json["materials"]}
-    expected = {"person0": PEOPLE[0], "person1": PEOPLE[1], "ball": OBJECTS[0]}
+    expected = {"person0": BODIES[0], "person1": BODIES[1], "ball": OBJECTS[0]}
     for name, color in expected.items():
         light = np.array(materials[name]["pbrMetallicRoughness"]["baseColorFactor"])
         shown = 1.055 * light[:3] ** (1 / 2.4) - 0.055  # sRGB, IEC 61966-2-1

@@ -62,14 +62,14 @@ def _measured(setting: str, ghosts: bool, fast: bool, seconds: float) -> Record:
 
 
 def _figures(server: Any, person: Body, ghosts: bool, fast: bool) -> list[Any]:
+    from halfphysics.render.look import GHOST, GHOST_ALPHA, PEOPLE
     from halfphysics.render.rasterizer import Surface
-    from halfphysics.render.result_meshes import GHOST, GHOST_ALPHA, PEOPLE
     from halfphysics.viewer.figure import Figure
 
     looks = [(f"/person/{k}", PEOPLE[k], 1.0) for k in range(2)]
     if ghosts:
         looks += [(f"/ghost/{k}", GHOST, GHOST_ALPHA) for k in range(2)]
-    return [
+    figures = [
         Figure(
             server,
             name,
@@ -79,6 +79,9 @@ def _figures(server: Any, person: Body, ghosts: bool, fast: bool) -> list[Any]:
         )
         for name, color, alpha in looks
     ]
+    for ghost in figures[2:]:
+        ghost.fade(dict.fromkeys(ghost.handles, 1.0))  # all of it is drawn
+    return figures
 
 
 def _run(setting: str, server: Any, figures: list[Any], client: _Client, seconds: float) -> Record:

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_NAMES
+from halfphysics.render.look import GHOST, PEOPLE
 from halfphysics.render.rasterizer import Camera, Color, Look, render
-from halfphysics.render.result_meshes import GHOST, PEOPLE, Drawing
+from halfphysics.render.result_meshes import Drawing
 from halfphysics.render.viewpoint import cameras, choose_direction, glass
 
 if TYPE_CHECKING:
@@ -132,7 +133,7 @@ def save_contact_sheet(
     threads: int = 1,
     views: Sequence[Camera] | None = None,
 ) -> Path:
-    """Writes a PNG of key frames: body solid, ghost (the motion as recorded) translucent blue.
+    """Writes a PNG of key frames: simulated body solid, ghost (the reference) translucent blue.
 
     One direction of view is chosen for all pictures so that body and ghost appear apart and few
     items hide them; a wall that still hides the story is drawn as glass.
@@ -226,12 +227,10 @@ def _draw(
         raise InputError(f"views: found {len(views)}, expected {len(picked)}, one for each frame")
     tiles = []
     for frame, camera in zip(picked, views, strict=True):
-        surfaces = drawing.surfaces(frame)
-        faint = glass(surfaces, camera, size)
-        if faint:
-            surfaces = drawing.surfaces(frame, faint=faint)
-        look = Look().aimed(camera, drawing.middle)
-        shown = list(surfaces.values())
+        faint = glass(drawing.surfaces(frame), camera, size)
+        shown = [*drawing.still(faint).values(), *drawing.moving(frame)]
+        shown += drawing.edges(camera, size[1])
+        look = Look.of(drawing.theme).aimed(camera, drawing.middle)
         tiles.append(render(shown, camera, size, samples=samples, look=look, threads=threads))
     return compose(drawing.result, picked, tiles, columns, size)
 
@@ -284,7 +283,7 @@ def compose(
             text = _fitted(draw, text, font, size[0] - 4)
             draw.text((x + 2, y + size[1] + 4 + row * line), text, fill=ink, font=font)
     x, y = _MARGIN + 2, height - _MARGIN - line + 4
-    for text, color in (("as asked for", GHOST), ("with a body", PEOPLE[0])):
+    for text, color in (("reference", GHOST), ("simulated", PEOPLE[0])):
         draw.rectangle([x, y + 1, x + _TEXT - 2, y + _TEXT - 1], fill=_bytes(color))
         draw.text((x + _TEXT + 4, y), text, fill=_INK, font=font)
         x += _TEXT + 28 + int(draw.textlength(text, font=font))

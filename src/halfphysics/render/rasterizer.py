@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.errors import InputError
+from halfphysics.render.look import KEY, LIGHT, Theme, turned
+from halfphysics.render.look import Color as Color
 
 Array = NDArray[np.float64]
-Color = tuple[float, float, float]
 
 _CULL = {"none": 0, "back": 1, "front": 2}
 
@@ -201,7 +202,7 @@ class Light:
 
 @dataclass(frozen=True, kw_only=True)
 class Look:
-    """Background and light: a light grey studio, a warm key light and a soft sky.
+    """Background and light: a key light from the left, a wide one overhead, and a soft sky.
 
     Attributes:
         top, bottom: Background colours (sRGB), a vertical gradient.
@@ -211,42 +212,38 @@ class Look:
         focus: World point around which surfaces with `fade` dissolve [m].
     """
 
-    top: Color = (0.93, 0.94, 0.95)
-    bottom: Color = (0.86, 0.87, 0.89)
-    sky: Color = (0.31, 0.32, 0.34)
-    ground: Color = (0.27, 0.26, 0.25)
+    top: Color = LIGHT.top
+    bottom: Color = LIGHT.horizon
+    sky: Color = (0.30, 0.31, 0.33)
+    ground: Color = (0.22, 0.21, 0.20)
     lights: tuple[Light, ...] = field(
         default=(
-            Light(towards=(0.45, -0.55, 1.0), strength=0.46, softness=0.04),
-            Light(towards=(0.0, 0.0, 1.0), strength=0.32, softness=0.35, wrap=0.6),
+            Light(towards=KEY, strength=0.60, softness=0.07),
+            Light(towards=(0.0, 0.0, 1.0), strength=0.30, softness=0.40, wrap=0.6),
         )
     )
     focus: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @classmethod
+    def of(cls, theme: Theme) -> Look:
+        """The look with the sky of a theme."""
+        return cls(top=theme.top, bottom=theme.horizon)
 
     def aimed(self, camera: Camera, focus: ArrayLike) -> Look:
         """This look with `focus`, and its lights turned with the camera (they stay to its left).
 
         The default lights are for a camera that looks along world y.
         """
-        forward = camera.axes()[2]
-        angle = np.arctan2(forward[1], forward[0]) - np.pi / 2
-        c, s = np.cos(angle), np.sin(angle)
-        turned = tuple(
-            replace(
-                light,
-                towards=(
-                    c * light.towards[0] - s * light.towards[1],
-                    s * light.towards[0] + c * light.towards[1],
-                    light.towards[2],
-                ),
-            )
-            for light in self.lights
+        back = -camera.axes()[2]
+        towards = (float(back[0]), float(back[1]))
+        lights = tuple(
+            replace(light, towards=turned(light.towards, towards)) for light in self.lights
         )
         x, y, z = _vector("focus", focus)
-        return replace(self, lights=turned, focus=(float(x), float(y), float(z)))
+        return replace(self, lights=lights, focus=(float(x), float(y), float(z)))
 
 
-def _linear(color: Color) -> Array:
+def linear(color: Color) -> Array:
     """Linear light of an sRGB colour."""
     c = np.clip(np.asarray(color, dtype=np.float64), 0.0, 1.0)
     return np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
@@ -272,8 +269,8 @@ def _pack(
     ).astype(np.int32)
     styles, flags = np.zeros((len(surfaces), 13)), np.zeros((len(surfaces), 3), np.int32)
     for row, flag, s in zip(styles, flags, surfaces, strict=True):
-        row[0:3] = _linear(s.color)
-        row[3:6] = _linear(s.checker if s.checker is not None else s.color)
+        row[0:3] = linear(s.color)
+        row[3:6] = linear(s.checker if s.checker is not None else s.color)
         row[6:9] = s.alpha, s.rim, 0.0 if s.checker is None else s.checker_size
         row[9] = s.bias
         row[10:12] = (0.0, 0.0) if s.fade is None else s.fade
@@ -316,7 +313,7 @@ def render(
     if threads < 1:
         raise InputError(f"threads: found {threads!r}, expected 1 or more")
     look = look or Look()
-    table = np.array([_linear(look.top), _linear(look.bottom), look.sky, look.ground, look.focus])
+    table = np.array([linear(look.top), linear(look.bottom), look.sky, look.ground, look.focus])
     lights = np.array(
         [[*light.towards, light.strength, light.softness, light.wrap] for light in look.lights],
         dtype=np.float64,

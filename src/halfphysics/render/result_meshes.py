@@ -1,13 +1,13 @@
 """The meshes of a result at a frame, with colours, for pictures and for the viewer.
 
-The simulated person is solid, what was recorded is a translucent ghost; moving items have accent
-colours, static ones are pale.
+The simulated person is solid, the reference is a translucent ghost; objects have strong colours.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -17,46 +17,36 @@ from numpy.typing import NDArray
 from halfphysics.base import rotations as rot
 from halfphysics.base.validation import is_whole
 from halfphysics.errors import InputError
-from halfphysics.render.rasterizer import Color, Surface
+from halfphysics.render import outlines
+from halfphysics.render.clothes import dressed
+from halfphysics.render.ghost import faded
+from halfphysics.render.look import (
+    FURNITURE,
+    GHOST,
+    GHOST_ALPHA,
+    GLASS_ALPHA,
+    GRID_WIDTH,
+    LIGHT,
+    OBJECTS,
+    PEOPLE,
+    WALL,
+    Color,
+    Theme,
+)
+from halfphysics.render.rasterizer import Camera, Surface
 
 if TYPE_CHECKING:
     from halfphysics.results.result import PersonResult, Result
 
 Array = NDArray[np.float64]
 
-GHOST: Color = (0.25, 0.51, 0.94)
-PEOPLE: tuple[Color, ...] = (
-    (0.84, 0.74, 0.66),
-    (0.66, 0.72, 0.64),
-    (0.76, 0.67, 0.76),
-    (0.62, 0.70, 0.76),
-)
-OBJECTS: tuple[Color, ...] = (
-    (0.94, 0.55, 0.22),
-    (0.13, 0.60, 0.57),
-    (0.93, 0.74, 0.24),
-    (0.83, 0.33, 0.36),
-    (0.52, 0.42, 0.74),
-)
-FURNITURE: tuple[Color, ...] = (
-    (0.74, 0.64, 0.52),
-    (0.60, 0.68, 0.66),
-    (0.67, 0.65, 0.72),
-    (0.72, 0.62, 0.60),
-)
-WALL: Color = (0.93, 0.93, 0.92)
-FLOOR: tuple[Color, Color] = ((0.92, 0.925, 0.93), (0.845, 0.855, 0.87))
-
-#: Opacity of the ghost, and of a wall between the camera and the person.
-GHOST_ALPHA = 0.40
-FAINT_ALPHA = 0.22
-
 # A static item this tall or wide [m] is part of the building, a smaller one is furniture.
 _WALL_HEIGHT, _WALL_WIDTH = 1.9, 3.0
 # A plane is drawn this far beyond the story [m]; its outer part fades out.
 _PLANE_MARGIN = 7.0
-# The ghost is drawn only where it is off the body by more than this [m].
-_GHOST_BIAS = 0.004
+# A ghost is drawn only where it is this far in front of what is behind it [m]: a ghost a little
+# nearer to the camera than the body would paint all of it blue.
+_GHOST_BIAS = 0.05
 #: Edges of scene meshes that bend by more stay sharp [degrees].
 CREASE = 50.0
 
@@ -109,7 +99,7 @@ def _plane_axes(normal: Array) -> Array:
     return np.stack([first, np.cross(normal, first), normal])
 
 
-def _plane_surface(static: Any, middle: Array, radius: float) -> Surface:
+def _plane_surface(static: Any, middle: Array, radius: float, theme: Theme) -> Surface:
     """A square of the plane around the middle of the story that fades out, world frame."""
     quaternion = np.asarray(static.quaternion, dtype=np.float64)
     normal = rot.rotate(quaternion, np.asarray(static.shape.normal, dtype=np.float64))
@@ -123,9 +113,7 @@ def _plane_surface(static: Any, middle: Array, radius: float) -> Surface:
     return Surface(
         vertices=centre + corners @ axes[:2],
         faces=np.array([[0, 1, 2], [0, 2, 3]]),
-        color=FLOOR[0] if level else WALL,
-        checker=FLOOR[1] if level else None,
-        checker_size=0.5,
+        color=theme.ground if level else WALL,
         cull="back",  # a plane is not drawn from below or behind, where it would hide the story
         casts=False,
         rim=0.0,
@@ -138,20 +126,28 @@ class Drawing:
 
     Names are paths: `static/<name>`, `object/<name>`, `person/<k>`, `ghost/<k>`.
 
-    Attributes:
+    Args:
         result: The result to draw.
+        theme: The surroundings.
+
+    Attributes:
+        result, theme: As given.
         statics, objects: Name -> `Item`.
         middle: Centre of the story's bounding box (people and objects, all frames) [m].
         radius: Half of its largest horizontal extent [m].
     """
 
-    def __init__(self, result: Result) -> None:
-        self.result = result
+    def __init__(self, result: Result, theme: Theme = LIGHT) -> None:
+        self.result, self.theme = result, theme
         low, high = self._extent()
         self.middle: Array = 0.5 * (low + high)
         self.radius = float(0.5 * max(high[0] - low[0], high[1] - low[1], 1.0))
         self.statics: Mapping[str, Item] = MappingProxyType(self._build_statics())
         self.objects: Mapping[str, Item] = MappingProxyType(self._build_objects())
+
+    def in_theme(self, theme: Theme) -> Drawing:
+        """The same drawing with other surroundings."""
+        return self if theme is self.theme else Drawing(self.result, theme)
 
     def __len__(self) -> int:
         """Number of frames."""
@@ -171,7 +167,7 @@ class Drawing:
         colors = StaticColors()
         for name, static in self.result.scene.statics.items():
             if isinstance(static.shape, Plane):
-                surface = _plane_surface(static, self.middle, self.radius)
+                surface = _plane_surface(static, self.middle, self.radius, self.theme)
                 pose = np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0, 0.0]])
             else:
                 vertices, faces = static.mesh()
@@ -245,7 +241,7 @@ class Drawing:
                 color=GHOST,
                 alpha=GHOST_ALPHA,
                 crease=180.0,
-                rim=0.45,
+                rim=0.55,
                 bias=_GHOST_BIAS,
                 casts=False,
                 receives=False,
@@ -266,13 +262,65 @@ class Drawing:
                 surfaces[f"{kind}/{k}"] = replace(skin, vertices=vertices)
         return surfaces
 
+    def moving(self, frame: int, *, ghost: bool = True) -> list[Surface]:
+        """The story as pictures show it: people in clothes, ghosts where they are apart from them.
+
+        Args:
+            frame: Index, 0 to T-1.
+            ghost: Include the reference.
+        """
+        story = self.story(frame, ghost=ghost)
+        shown = [surface for name, surface in story.items() if name.startswith("object/")]
+        ghosts = []
+        for k, person in enumerate(self.result.people):
+            skin = story[f"person/{k}"]
+            for piece in dressed(person.body, k):
+                shown.append(
+                    replace(
+                        skin,
+                        vertices=piece.cut.of(skin.vertices),
+                        faces=piece.cut.faces,
+                        color=piece.color,
+                    )
+                )
+            if ghost:
+                blue = story[f"ghost/{k}"]
+                apart = np.linalg.norm(blue.vertices - skin.vertices, axis=1)
+                ghosts += faded(blue, apart)
+        return shown + ghosts
+
+    def edges(self, camera: Camera, height: int) -> list[Surface]:
+        """Edges of the statics, and the ground's lines, in a picture of this height [pixels]."""
+        strips = [
+            outlines.drawn(segments, outlines.shade(color, self.theme), camera, height)
+            for color, segments in self._edges.items()
+        ]
+        for item in self.statics.values():
+            surface = item.surface
+            if surface.fade is not None and camera.position[2] > surface.vertices[0, 2]:
+                lines = outlines.squares(self.middle, surface.fade[1], surface.vertices[0, 2])
+                width, line = GRID_WIDTH, self.theme.line
+                strips.append(
+                    outlines.drawn(lines, line, camera, height, width=width, fade=surface.fade)
+                )
+        return [strip for strip in strips if strip is not None]
+
+    @cached_property
+    def _edges(self) -> dict[Color, Array]:
+        """Edges of all statics of each colour, world frame (E, 2, 3) [m]."""
+        found: dict[Color, list[Array]] = {}
+        for item in self.statics.values():
+            if item.surface.cull != "back":  # a plane has no edges
+                found.setdefault(item.surface.color, []).append(outlines.edges(item.at(0)))
+        return {color: np.concatenate(parts) for color, parts in found.items()}
+
     def still(self, faint: Collection[str] = ()) -> dict[str, Surface]:
         """Static items, world frame; those named in `faint` as thin glass."""
         out = {}
         for name, item in self.statics.items():
             surface = item.at(0)
             if name in faint:
-                surface = replace(surface, alpha=FAINT_ALPHA, rim=0.12, casts=False)
+                surface = replace(surface, alpha=GLASS_ALPHA, rim=0.12, casts=False)
             out[name] = surface
         return out
 
@@ -283,7 +331,7 @@ class Drawing:
 
         Args:
             frame: Index, 0 to T-1.
-            ghost: Include the motion as recorded.
+            ghost: Include the reference.
             faint: Names of statics to draw as thin glass, because they hide the story.
         """
         return self.still(faint) | self.story(frame, ghost=ghost)

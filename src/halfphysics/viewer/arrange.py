@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from halfphysics.render.rasterizer import Camera
 from halfphysics.render.result_meshes import Drawing, Item
 from halfphysics.render.viewpoint import FOV, choose_direction, glass, spread, subject
-from halfphysics.viewer.framing import framed
+from halfphysics.viewer.framing import framed, on_people
 
 Array = NDArray[np.float64]
 
@@ -36,17 +36,25 @@ class Arrangement:
         offsets: Offset of each result (N, 3) [m]; zero for the first.
         direction: Unit vector from the results to the camera (3,).
         points: World points that belong in the picture (M, 3) [m].
+        people: World points of the people's skins in the first frame (P, 3) [m].
+        reach: Largest horizontal distance of a person from the middle of all in that frame [m].
         faint: For each result, names of the statics to draw translucent.
     """
 
     offsets: Array
     direction: Array
     points: Array
+    people: Array
+    reach: float
     faint: tuple[frozenset[str], ...]
 
     def camera(self, window: tuple[int, int]) -> Camera:
         """Camera that has all results in the free part of a window of this size [pixels]."""
         return framed(self.points, self.direction, window)
+
+    def first(self, window: tuple[int, int], *, panel: bool = True) -> Camera:
+        """Camera of the first picture, in which people fill half of the height."""
+        return on_people(self.people, self.direction, window, panel=panel)
 
 
 def arrange(
@@ -65,7 +73,7 @@ def arrange(
     if len(drawings) > 1:
         row, offsets = _row(drawings, direction)
         direction = _across(direction, row)
-    points, scenes = [], []
+    points, scenes, people, middles = [], [], [], []
     for k, drawing in enumerate(drawings):
         story = []
         for frame in spread(len(drawing), _FRAMES):
@@ -73,6 +81,11 @@ def arrange(
             moving = {n: s for n, s in surfaces.items() if not n.startswith("static/")}
             story.append(subject(drawing, frame, moving)[::_SPARSE])
             scenes.append((k, surfaces))
+        skins = [
+            s.vertices for n, s in drawing.story(0, ghost=False).items() if n.startswith("person/")
+        ]
+        people += [skin[::_SPARSE] + offsets[k] for skin in skins]
+        middles += [(skin.mean(axis=0) + offsets[k])[:2] for skin in skins]
         seen = np.concatenate(story)
         top = seen[np.argmax(seen[:, 2])]
         points.append(np.vstack([seen, top + np.array([0.0, 0.0, headroom])]) + offsets[k])
@@ -85,6 +98,8 @@ def arrange(
         offsets=offsets,
         direction=direction,
         points=everything,
+        people=np.concatenate(people),
+        reach=float(np.linalg.norm(middles - np.mean(middles, axis=0), axis=1).max()),
         faint=tuple(map(frozenset, faint)),
     )
 

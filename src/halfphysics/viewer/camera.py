@@ -1,4 +1,4 @@
-"""The cameras of browsers: presets, the home view, and a camera that follows people.
+"""The cameras of browsers: presets, the first view, and a camera that follows people.
 
 Every browser has a camera of its own. Following only translates the camera: the angle and the
 distance that the user chose stay.
@@ -10,6 +10,7 @@ import math
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 from halfphysics.motion.skeleton import JOINT_INDEX, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
 from halfphysics.render.rasterizer import Camera
 from halfphysics.viewer.framing import framed
-from halfphysics.viewer.stage import Stage
+from halfphysics.viewer.stage import Stage, middle
 
 Array = NDArray[np.float64]
 
@@ -27,6 +28,8 @@ PRESETS = ("Front", "Side", "Top", "Hands")
 
 # Time constant of following [s], and the pause after the user moves the camera [s].
 _LATE, _HANDS_OFF = 0.25, 0.4
+# A browser reports the camera that it was given within this time [s].
+_ARRIVES = 2.0
 # A camera reported within this distance of the one sent [m] was not moved by the user.
 _SAME = 1e-3
 _RECENT = 60
@@ -34,6 +37,8 @@ _RECENT = 60
 _SHAPE = 0.05
 # Margins around joints [m]: for a body (half a head, a foot) and for a hand.
 _BODY, _HAND = 0.16, 0.05
+# Mean distance of the outermost skin from the nearest joint, in height [m].
+_SKIN = 0.08
 # Least distance of the camera in presets [m].
 _LEAST = 0.6
 
@@ -56,6 +61,11 @@ class Follower:
         self._aside = np.zeros(3)
         self._sent: deque[Array] = deque([self._look.copy()], maxlen=_RECENT)
         self._touched = -math.inf
+
+    @property
+    def touched(self) -> bool:
+        """Whether the user has moved the camera since it was put somewhere."""
+        return self._touched > -math.inf
 
     def move(
         self, position: Array, look_at: Array, subject: Array, now: float, dt: float
@@ -98,13 +108,28 @@ class Follower:
         self._touched = -math.inf
 
 
+@dataclass(frozen=True)
+class _Home:
+    """When a browser's camera was last set to the first view: its window, the camera, the subject.
+
+    Until the browser reports that camera it may still report an older one, which is no hand of a
+    user.
+    """
+
+    window: tuple[int, int]
+    camera: Camera
+    subject: Array
+    time: float
+
+
 class Cameras:
     """The cameras of all browsers.
 
     Args:
         server: The viser server.
         stages: The stages in view.
-        home: The camera that sees everything, for a window's width and height [pixels].
+        home: The first camera, for a window's width and height [pixels].
+        everything: The camera that sees everything, likewise; None: as `home`.
 
     Attributes:
         stages: The stages in view; may be changed.
@@ -112,23 +137,38 @@ class Cameras:
     """
 
     def __init__(
-        self, server: Any, stages: Sequence[Stage], home: Callable[[tuple[int, int]], Camera]
+        self,
+        server: Any,
+        stages: Sequence[Stage],
+        home: Callable[[tuple[int, int]], Camera],
+        everything: Callable[[tuple[int, int]], Camera] | None = None,
     ) -> None:
         self._server = server
         self.stages = stages
-        self._home = home
-        # Per browser: its window when its camera was last set home, and that camera.
-        self._homes: dict[int, tuple[tuple[int, int], Camera]] = {}
+        self._home, self._everything = home, everything or home
+        self._homes: dict[int, _Home] = {}
         self._followers: dict[int, Follower] = {}
+        # Browsers with another view than the first; of these, those that see everything: they do
+        # not follow.
+        self._elsewhere: set[int] = set()
+        self._resting: set[int] = set()
         self._last = time.monotonic()
         self.following = False
 
     def home(self, client: Any) -> None:
-        """Set a browser's camera to the view of everything."""
+        """Set a browser's camera to the first view."""
         window = _window(client)
         camera = self._home(window)
-        self._homes[client.client_id] = window, camera
+        home = _Home(window, camera, self.subject(), time.monotonic())
+        self._homes[client.client_id] = home
+        self._followers.pop(client.client_id, None)
         self._put(client, camera)
+        self._elsewhere.discard(client.client_id)
+
+    def everything(self, client: Any) -> None:
+        """Set a browser's camera to the view of everything; it then follows nobody."""
+        self._put(client, self._everything(_window(client)))
+        self._resting.add(client.client_id)
 
     def watch(self) -> None:
         """Set the cameras of new browsers home; call it regularly.
@@ -143,9 +183,13 @@ class Cameras:
             if index not in self._homes:
                 self.home(client)
                 continue
-            window, camera = self._homes[index]
+            home = self._homes[index]
+            window, camera = home.window, home.camera
             first = self._server.initial_camera
-            if _at(client, camera.position, camera.target):
+            follower = self._followers.get(index)
+            untouched = follower is not None and not follower.touched
+            untouched &= index not in self._elsewhere
+            if untouched or _at(client, camera.position, camera.target):
                 lost = _reshaped(window, _window(client))
             else:
                 lost = _at(client, first.position, first.look_at)
@@ -174,14 +218,11 @@ class Cameras:
         room = _BODY
         if name == "Hands":
             joints, room = self._hands(), _HAND
-        corners = room * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-        points = (joints[:, None] + corners).reshape(-1, 3)
-        return framed(points, direction, window, distance=_LEAST)
+        return framed(_around(joints, room), direction, window, distance=_LEAST)
 
     def subject(self) -> Array:
         """The point that cameras follow: the mean of the people's pelvises (3,) [m]."""
-        result: Array = np.mean([person[0] for person in self._people()], axis=0)
-        return result
+        return middle(self._shown())
 
     def follow(self) -> None:
         """Move the cameras with the people; call after the stages have changed."""
@@ -195,13 +236,23 @@ class Cameras:
         for index, client in clients.items():
             camera = client.camera
             position, look_at = np.array(camera.position), np.array(camera.look_at)
+            if index in self._resting:
+                continue
             if index not in self._followers:
+                home = self._homes.get(index)
+                there = home is not None and _at(client, home.camera.position, home.camera.target)
+                if home is not None and not there and now - home.time < _ARRIVES:
+                    continue
                 self._followers[index] = Follower(position, look_at)
+                if home is not None and there:
+                    self._followers[index].put(position, look_at, home.subject)
             moved = self._followers[index].move(position, look_at, subject, now, dt)
             if moved is not None:
                 _aim(client, *moved)
 
     def _put(self, client: Any, camera: Camera) -> None:
+        self._elsewhere.add(client.client_id)
+        self._resting.discard(client.client_id)
         _aim(client, camera.position, camera.target)
         if client.client_id in self._followers:
             follower = self._followers[client.client_id]
@@ -210,6 +261,10 @@ class Cameras:
     def _shown(self) -> list[Stage]:
         """The visible stages; all stages if none is visible."""
         return [stage for stage in self.stages if stage.visible] or list(self.stages)
+
+    def people(self) -> Array:
+        """Points around the people as shown now, in the world (N, 3) [m]."""
+        return _around(np.concatenate(self._people()), _SKIN)
 
     def _people(self) -> list[Array]:
         """Joints (55, 3) of each person as shown now, in the world [m]."""
@@ -228,6 +283,12 @@ class Cameras:
                     if np.isin(hand, parts).any():
                         touching.append(every[-1])
         return np.concatenate(touching or every)
+
+
+def _around(joints: Array, room: float) -> Array:
+    """Corners of a cube around each joint."""
+    corners = room * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    return (joints[:, None] + corners).reshape(-1, 3)
 
 
 def _window(client: Any) -> tuple[int, int]:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS
+from halfphysics.render.cutting import Faces, cut
 from halfphysics.render.rasterizer import Color
 from halfphysics.viewer.bones import Bones
 from halfphysics.viewer.figure import rgb, shrunk, strongest
@@ -58,7 +59,7 @@ def level(force: Array | float) -> Any:
 
 def patch(
     field: Array, vertices: Array, faces: NDArray[np.integer], weights: Array
-) -> tuple[Array, Ints, Array]:
+) -> tuple[Array, Faces, Array]:
     """The part of a surface on which a field is not negative, cut along its zero line.
 
     Args:
@@ -70,39 +71,8 @@ def patch(
     Returns:
         Vertices (N, 3), faces (M, 3) and weights (N, K) of the patch.
     """
-    inside = field >= 0.0
-    count = inside[faces].sum(axis=1)
-    whole = faces[count == 3]
-    # Rotate the corners so that the only vertex on its side of the line comes first.
-    cut = []
-    for alone in (1, 2):
-        some = faces[count == alone]
-        first = np.argmax(inside[some] == (alone == 1), axis=1)
-        cut.append(np.take_along_axis(some, (first[:, None] + np.arange(3)) % 3, axis=1))
-    tips, stumps = cut
-    pairs = np.concatenate([c[:, [0, k]] for c in cut for k in (1, 2)])
-    low, high = pairs.min(axis=1), pairs.max(axis=1)
-    edges, index = np.unique(np.stack([low, high], axis=1), axis=0, return_inverse=True)
-    index = index.reshape(-1) + len(vertices)
-    a, b = field[edges[:, 0]], field[edges[:, 1]]
-    share = (a / (a - b))[:, None]
-
-    def with_cuts(values: Array) -> Array:
-        between = (1.0 - share) * values[edges[:, 0]] + share * values[edges[:, 1]]
-        return np.concatenate([values, between])
-
-    t, s = len(tips), len(stumps)
-    tip_1, tip_2, stump_1, stump_2 = np.split(index, [t, 2 * t, 2 * t + s])
-    out = np.concatenate(
-        [
-            whole,
-            np.stack([tips[:, 0], tip_1, tip_2], axis=1),
-            np.stack([stump_1, stumps[:, 1], stumps[:, 2]], axis=1),
-            np.stack([stump_1, stumps[:, 2], stump_2], axis=1),
-        ]
-    )
-    used, out = np.unique(out, return_inverse=True)
-    return with_cuts(vertices)[used], out.reshape(-1, 3), with_cuts(weights)[used]
+    part = cut(field, faces)
+    return part.of(vertices), part.faces, part.of(weights)
 
 
 class Patch:

@@ -38,7 +38,9 @@ class References:
             frames = person.body.joint_frames(person.recorded)
             name = stage.path(f"{REFERENCE}/{k}")
             skin = stage.drawing.skin(k, False)
-            self._figures.append(Figure(server, name, skin, person.body, stage.people[k].joints))
+            self._figures.append(
+                Figure(server, name, skin, person.body, stage.people[k].joints, person=k)
+            )
             self._frames.append(frames)
         stage.followers.append(self.show)
 

@@ -142,12 +142,12 @@ class Controls:
             client, name = event.client, views.value
             viewer.do(lambda: viewer.cameras.preset(client, name))
 
-        def home(event: Any) -> None:
-            viewer.do(lambda: viewer.cameras.home(event.client))
+        def everything(event: Any) -> None:
+            viewer.do(lambda: viewer.cameras.everything(event.client))
 
         views.on_click(look)
-        reset = gui.add_button("See everything", icon=icon("HOME"), hint="As at the start")
-        reset.on_click(home)
+        reset = gui.add_button("See everything", icon=icon("HOME"), hint="The whole motion")
+        reset.on_click(everything)
         follow = gui.add_checkbox(
             "Follow", viewer.cameras.following, hint="Go along; turn and zoom as you like"
         )

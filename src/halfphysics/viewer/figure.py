@@ -1,25 +1,35 @@
-"""A person as a skinned mesh in the browser: the mesh is sent once, then only its bones."""
+"""A person as skinned meshes in the browser: the meshes are sent once, then only their bones."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.motion.skeleton import PARENTS
-from halfphysics.render.rasterizer import Color, Surface
+from halfphysics.render.clothes import dressed
+from halfphysics.render.cutting import Cut
+from halfphysics.render.ghost import opacity, parts
+from halfphysics.render.look import GHOST_ALPHA, Color
+from halfphysics.render.rasterizer import Surface
 from halfphysics.viewer.bones import Bones
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 # A ghost's skin is drawn this far inside its true position [m]: where ghost and body agree, the
 # body hides the ghost; otherwise the two flicker.
 _INSIDE = 0.003
 _INFLUENCES = 4  # most joints per vertex in the browser
+# Smaller skin weights are left out of a piece, which saves bones to send.
+_LEAST = 0.02
+# Number of steps in which a ghost's opacity changes.
+_STEPS = 6
 
 
 def rgb(color: Color) -> tuple[int, int, int]:
@@ -31,6 +41,10 @@ def rgb(color: Color) -> tuple[int, int, int]:
 class Figure:
     """A person or a ghost: linear blend of the four strongest joints.
 
+    A person's skin is drawn in pieces of one colour, its clothes; a ghost's in parts, each of which
+    fades out while it coincides with the body (`fade`). A piece has copies of only those bones that
+    move it.
+
     Args:
         server: The viser server.
         name: Path of the node.
@@ -38,12 +52,15 @@ class Figure:
         body: The body of the surface.
         bones: Joints with a bone (B,), with their parents; a joint without a bone moves with the
             nearest ancestor with one. None: all 55.
+        person: Index of the person, which decides the shirt.
         fast: As in `Bones`.
 
     Attributes:
         body: The body of the surface.
         joints: Joints with a bone (B,).
         weights: Skin weights of the bones (V, B).
+        node: The parent of all pieces.
+        handles: Name -> viser's handle of each piece.
     """
 
     def __init__(
@@ -54,6 +71,7 @@ class Figure:
         body: Body,
         bones: NDArray[np.integer] | None = None,
         *,
+        person: int = 0,
         fast: bool = True,
     ) -> None:
         self.body = body
@@ -61,39 +79,46 @@ class Figure:
         self.joints = np.arange(total) if bones is None else np.asarray(bones)
         self.weights = strongest(_gathered(np.asarray(body.weights), self.joints))
         self._server, self._name = server, name
-        self._meshes: list[Any] = []
         self._visible = True
         self._pose: tuple[Array, Array] | None = None
+        self.node = server.scene.add_frame(name, show_axes=False)
+        self.handles: dict[str, Any] = {}
+        self._senders: dict[str, tuple[Ints, Bones]] = {}
+        self._ghost = surface.alpha < 1.0
         vertices = np.asarray(surface.vertices)
-        look: dict[str, Any] = {
-            "color": rgb(surface.color),
-            "cast_shadow": surface.casts,
-            "receive_shadow": surface.receives,
-        }
-        if surface.alpha < 1.0:
+        if self._ghost:
             vertices = shrunk(vertices, surface.faces, _INSIDE)
-            # An invisible mesh writes the depth: only the nearest layer of a ghost is drawn.
-            self._add("-depth", vertices, surface.faces, opacity=0.0, **look)
-            look["opacity"] = surface.alpha
-        self.handle = self._add("", vertices, surface.faces, **look)
-        self._bones = Bones(self._meshes, fast=fast)
+            for part, one in parts(body).items():
+                look = {"color": rgb(surface.color), "opacity": surface.alpha, "visible": False}
+                self._add(part, vertices, one, fast, cast_shadow=False, **look)
+        else:
+            for piece in dressed(body, person):
+                look = {"color": rgb(piece.color), "receive_shadow": False}
+                self._add(piece.name, vertices, piece.cut, fast, **look)
+        self._steps = dict.fromkeys(self.handles, 0)
 
-    def _add(self, suffix: str, vertices: Array, faces: NDArray[np.integer], **look: Any) -> Any:
-        """Add a mesh that moves with the bones. None is ever removed: viser's page fails then."""
-        rest = np.zeros((len(self.joints), 4))
+    def _add(self, name: str, vertices: Array, cut: Cut, fast: bool, **look: Any) -> None:
+        """Add a piece that moves with bones. None is ever removed: viser's page fails then."""
+        weights = cut.of(self.weights)
+        weights = strongest(np.where(weights < _LEAST, 0.0, weights))
+        used = np.flatnonzero(weights.any(axis=0))
+        rest = np.zeros((len(used), 4))
         rest[:, 0] = 1.0
-        handle = self._server.scene.add_mesh_skinned(
-            f"{self._name}{suffix}",
-            vertices=vertices,
-            faces=faces,
+        self.handles[name] = self._server.scene.add_mesh_skinned(
+            f"{self._name}/{name}",
+            vertices=cut.of(vertices),
+            faces=cut.faces,
             bone_wxyzs=rest,
-            bone_positions=np.asarray(self.body.rest_joints)[self.joints],
-            skin_weights=self.weights,
+            bone_positions=np.asarray(self.body.rest_joints)[self.joints[used]],
+            skin_weights=weights[:, used],
             side="front",
             **look,
         )
-        self._meshes.append(handle)
-        return handle
+        self._senders[name] = used, Bones([self.handles[name]], fast=fast)
+
+    def bones_of(self, name: str) -> Ints:
+        """The bones of a piece, indices into `joints`."""
+        return self._senders[name][0]
 
     @property
     def name(self) -> str:
@@ -110,8 +135,7 @@ class Figure:
         self._visible = visible
         if visible:
             self._send()
-        for mesh in self._meshes:
-            mesh.visible = visible
+        self.node.visible = visible
 
     @property
     def bone_pose(self) -> tuple[Array, Array] | None:
@@ -129,9 +153,34 @@ class Figure:
         if self._visible:
             self._send()
 
+    def fade(self, apart: Mapping[str, float]) -> None:
+        """Fade the parts of a ghost that coincide with the body.
+
+        Args:
+            apart: Part -> its distance from the body [m], from `Separation.of`.
+        """
+        late = []
+        for name, handle in self.handles.items():
+            # In steps: each change of the opacity is a message.
+            step = round(_STEPS * float(opacity(apart[name])) / GHOST_ALPHA)
+            before, self._steps[name] = self._steps[name], step
+            if step == before:
+                continue
+            if step:
+                handle.opacity = GHOST_ALPHA * step / _STEPS
+            if bool(step) != bool(before):
+                handle.visible = bool(step)
+                late.append(name)
+        if late and self._visible:
+            self._send()
+
     def _send(self) -> None:
-        if self._pose is not None:
-            self._bones.send(*self._pose)
+        if self._pose is None:
+            return
+        positions, quaternions = self._pose
+        for name, (used, sender) in self._senders.items():
+            if not self._ghost or self._steps[name]:
+                sender.send(positions[used], quaternions[used])
 
 
 def moving_joints(*quaternions: Array, least: float = 1e-4) -> NDArray[np.integer]:

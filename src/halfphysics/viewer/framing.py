@@ -21,6 +21,8 @@ _WIDE, _PANEL = 580, 335
 _TALL, _ABOVE = 1.5, 0.9
 # Least distance of the camera to a point [m], and the filled fraction of the free part.
 _NEAR, _FILLED = 0.5, 0.92
+# The fraction of the window's height that people fill at first, and of the free part at most.
+_HALF, _MOST = 0.5, 0.85
 
 
 def free_part(width: float, height: float) -> tuple[float, float]:
@@ -31,7 +33,13 @@ def free_part(width: float, height: float) -> tuple[float, float]:
 
 
 def framed(
-    points: Array, direction: Array, window: tuple[float, float], *, distance: float = 0.0
+    points: Array,
+    direction: Array,
+    window: tuple[float, float],
+    *,
+    distance: float = 0.0,
+    filled: tuple[float, float] = (_FILLED, _FILLED),
+    panel: bool = True,
 ) -> Camera:
     """The nearest camera that has all points in the free part of a window.
 
@@ -40,6 +48,8 @@ def framed(
         direction: From the points to the camera, not straight up (3,).
         window: Width and height [pixels].
         distance: Least distance from the middle of the points [m].
+        filled: Most of the free part's width and height that the points take.
+        panel: Whether the window has a panel; if not, all of it is free.
     """
     ahead = -np.asarray(direction, dtype=np.float64)
     ahead /= np.linalg.norm(ahead)
@@ -47,12 +57,12 @@ def framed(
     right /= np.linalg.norm(right)
     up = np.cross(right, ahead)
     depth = points @ ahead
-    free = free_part(*window)
+    free = free_part(*window) if panel else window
     half = math.tan(math.radians(0.5 * FOV))
     across = half * window[0] / window[1]
     # Slopes of the rays through the edges of the free part, a little inside them.
     middle = across * (free[0] / window[0] - 1.0), half * (1.0 - free[1] / window[1])
-    reach = _FILLED * across * free[0] / window[0], _FILLED * half * free[1] / window[1]
+    reach = filled[0] * across * free[0] / window[0], filled[1] * half * free[1] / window[1]
     back, at = max(float(np.max(-depth)) + _NEAR, distance - float(depth.mean())), []
     for axis, centre, part in zip((right, up), middle, reach, strict=True):
         along = points @ axis
@@ -67,3 +77,18 @@ def framed(
         position = position + 0.5 * (first + last) * axis
     target = position + (back + float(depth.mean())) * ahead
     return Camera(position=position, target=target, fov=FOV)
+
+
+def on_people(
+    points: Array, direction: Array, window: tuple[float, float], *, panel: bool = True
+) -> Camera:
+    """The camera of the first picture: people fill half of the window's height.
+
+    Less where that is needed to have all of them in the free part.
+
+    Args:
+        points, direction, window, panel: As for `framed`.
+    """
+    free = free_part(*window)[1] if panel else window[1]
+    filled = _FILLED, min(_HALF * window[1] / free, _MOST)
+    return framed(points, direction, window, filled=filled, panel=panel)

@@ -71,7 +71,7 @@ def add_layers(server: Any, stage: Stage) -> None:
         server: The viser server.
         stage: A stage of a complete result.
     """
-    handles = [figure.handle for figure in stage.people]
+    handles = [handle for figure in stage.people for handle in figure.handles.values()]
     if len(stage.drawing.result.contacts.frame):
         stage.layers["contacts"] = Layer("Contacts", [ContactNodes(server, stage)])
         touched = Touched(server, stage)
@@ -91,7 +91,8 @@ def show_support(server: Any, stage: Stage) -> None:
     """Show the support of a stage for good, with the bodies as glass."""
     overlay.SupportOverlay(server, stage).visible = True
     for figure in stage.people:
-        figure.handle.opacity = GLASS
+        for handle in figure.handles.values():
+            handle.opacity = GLASS
 
 
 def legend(results: Sequence[Result]) -> str:

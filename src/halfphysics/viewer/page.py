@@ -15,14 +15,17 @@ from halfphysics.render.result_meshes import Drawing
 from halfphysics.viewer.arrange import Arrangement, arrange
 from halfphysics.viewer.comparison import References, has_reference
 from halfphysics.viewer.contacts import ContactNodes
+from halfphysics.viewer.first_picture import with_first_picture
 from halfphysics.viewer.layers import show_support
+from halfphysics.viewer.lights import Lights
 from halfphysics.viewer.motions import as_result
 from halfphysics.viewer.page_data import body_data, camera_data, common_data, layer_data
 from halfphysics.viewer.page_key import key
 from halfphysics.viewer.player_script import page_head
 from halfphysics.viewer.reel import Recording, reel
 from halfphysics.viewer.server import close_server, open_server
-from halfphysics.viewer.stage import Stage, aim, light
+from halfphysics.viewer.stage import Stage, aim, light, middle
+from halfphysics.viewer.theme import style
 
 if TYPE_CHECKING:
     from halfphysics.motion.motion import Motion
@@ -96,13 +99,14 @@ def save_page(
     with atomic_write(path) as file, _quiet_server() as server:
         row = arrange(drawings, _VIEW)
         stages, contacts = _build(server, drawings, row)
+        lights = light(server, row.direction.tolist(), row.reach)
         if support:
             for stage in stages:
                 show_support(server, stage)
         # Reference poses are in the same reel: they differ where somebody was touched.
         if len(stages) == 1 and has_reference(drawings[0]):
             References(server, stages[0], on=True)
-        first, recorded = _recorded(server, stages, frames, step / fps, progress)
+        first, recorded = _recorded(server, stages, lights, frames, step / fps, progress)
         data = {
             **common_data(stages, names, title, [range(0, len(d), step) for d in drawings]),
             **camera_data(stages, row, frames),
@@ -113,19 +117,26 @@ def save_page(
             "reel": reel(Recording(recorded), len(frames), step / fps),
         }
         page = first.replace("<title>Viser</title>", f"<title>{html.escape(title)}</title>", 1)
-        page = page.replace("</head>", f"{_DARK}</head>", 1)
+        page = page.replace("</head>", f"<style>{style()}</style>{_DARK}</head>", 1)
         page = page.replace("<head>", f"<head>{page_head(data)}", 1)
+        page = with_first_picture(page, drawings, row)
         file.write(page.encode("utf-8"))
     return Path(path)
 
 
 def _recorded(
-    server: Any, stages: Sequence[Stage], frames: range, seconds: float, progress: bool
+    server: Any,
+    stages: Sequence[Stage],
+    lights: Lights,
+    frames: range,
+    seconds: float,
+    progress: bool,
 ) -> tuple[str, bytes]:
     """The page of the first frame, and the recording of all frames."""
     bar = _bar(len(frames), progress)
     for stage in stages:
         stage.show(0)
+    lights.follow(middle(stages))
     first: str = server.get_scene_serializer().as_html()
     recorder = server.get_scene_serializer()
     # Without this the server's thread wakes for every bone and frame, with no browser to serve.
@@ -133,6 +144,7 @@ def _recorded(
         for frame in frames:
             for stage in stages:
                 stage.show(min(frame, len(stage.drawing) - 1))
+            lights.follow(middle(stages))
             recorder.insert_sleep(seconds)
             bar.update()
     bar.close()
@@ -159,8 +171,7 @@ def _build(
     server: Any, drawings: Sequence[Drawing], row: Arrangement
 ) -> tuple[list[Stage], list[int]]:
     """Build the scene; returns the stages and the kinds of contacts that occur."""
-    aim(server, row.camera(_VIEW))
-    light(server)
+    aim(server, row.first(_VIEW, panel=False))
     stages = [
         Stage(
             server,

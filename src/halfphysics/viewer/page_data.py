@@ -19,6 +19,7 @@ from halfphysics.viewer.bones import GRAIN
 from halfphysics.viewer.coloring import RAMP
 from halfphysics.viewer.comparison import choices
 from halfphysics.viewer.figure import strongest
+from halfphysics.viewer.first_picture import first_camera
 from halfphysics.viewer.marks import rows
 from halfphysics.viewer.skin_forces import skin_document
 from halfphysics.viewer.stage import Stage
@@ -57,6 +58,7 @@ def camera_data(stages: Sequence[Stage], row: Arrangement, frames: Sequence[int]
     return {
         "fov": math.radians(FOV),
         "direction": [round(float(x), 5) for x in row.direction],
+        "first": first_camera(row),
         "track": np.round(boxes, 3).tolist(),
         "follow": goes_far(boxes),
     }

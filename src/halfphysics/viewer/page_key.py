@@ -5,8 +5,9 @@ from __future__ import annotations
 import html
 from collections.abc import Sequence
 
+from halfphysics.render.look import GHOST, PEOPLE
 from halfphysics.render.rasterizer import Color
-from halfphysics.render.result_meshes import GHOST, PEOPLE, Drawing
+from halfphysics.render.result_meshes import Drawing
 from halfphysics.results.hold_lines import hold_lines
 from halfphysics.viewer.coloring import RAMP
 from halfphysics.viewer.contacts import KINDS

@@ -5,13 +5,14 @@ from __future__ import annotations
 import time
 from typing import Any
 
+from halfphysics.render.rasterizer import Camera
 from halfphysics.render.result_meshes import Drawing
 from halfphysics.viewer.arrange import Arrangement, arrange
 from halfphysics.viewer.camera import Cameras
 from halfphysics.viewer.catalog import Catalog, Choice
 from halfphysics.viewer.contacts import ContactNodes
 from halfphysics.viewer.dragging import draggable
-from halfphysics.viewer.framing import WINDOW
+from halfphysics.viewer.framing import WINDOW, on_people
 from halfphysics.viewer.live_contacts import LiveContacts
 from halfphysics.viewer.live_wire import LiveWire
 from halfphysics.viewer.pace import Pace
@@ -20,6 +21,7 @@ from halfphysics.viewer.provisional import provisional
 from halfphysics.viewer.served import Served
 from halfphysics.viewer.session import Command, Grab, LetGo, Pull, Session
 from halfphysics.viewer.stage import Layer, Stage, aim, light
+from halfphysics.viewer.theme import add_sky
 from halfphysics.viewer.wardrobe import Wardrobe
 
 # Interval between checks for commands while the simulation is paused [s].
@@ -77,7 +79,7 @@ class Playground(Served):
         self._place = ("", "")
         self._wardrobe = Wardrobe()
         with self._starting():
-            light(self.server)
+            add_sky(self.server)
             self.panel = Panel(self)
             self.wire = LiveWire(self)
             self._set_stage()
@@ -113,8 +115,8 @@ class Playground(Served):
             # Not `advance`: a command posted meanwhile may start a story that needs another stage.
             if session.make() is not None:
                 self.simulating += _SMOOTH * (session.seconds - self.simulating)
-        self._show()
         self.cameras.watch()
+        self._show()
         self.panel.refresh(now=asked)
         self.wire.refresh()
 
@@ -133,6 +135,7 @@ class Playground(Served):
             for name in self._objects:
                 stage.place(name, *frame.objects[name])
             self._contacts.show(0)
+            self.lights.follow(self.cameras.subject())
         self.wire.frame()
         self.cameras.follow()
         self._shown = frame
@@ -163,12 +166,14 @@ class Playground(Served):
         self.stage.layers["contacts"] = Layer("Contacts", [self._contacts])
         if moved:
             # All cameras go to the new view.
-            self.cameras = Cameras(self.server, [self.stage], row.camera)
+            self.cameras = Cameras(self.server, [self.stage], self._home, row.camera)
             self.cameras.following = self.panel.following
-            aim(self.server, row.camera(WINDOW))
+            self.lights = light(self.server, row.direction.tolist(), row.reach)
         else:
             self.cameras.stages = [self.stage]
         self._row, self._story, self._shown = row, session.story, None
+        if moved:
+            aim(self.server, self._home(WINDOW))
         self._place = place
         self._bodies = session.simulator.bodies
         self._ghosts = [
@@ -181,6 +186,9 @@ class Playground(Served):
                 self._let_drag(name)
         self.panel.show_story()
         self.wire.new_story()
+
+    def _home(self, window: tuple[int, int]) -> Camera:
+        return on_people(self.cameras.people(), self._row.direction, window)
 
     def _let_drag(self, name: str) -> None:
         handle = self.stage.object(name)

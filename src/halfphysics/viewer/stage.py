@@ -14,18 +14,29 @@ from numpy.typing import NDArray
 from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
 from halfphysics.geometry.mesh_queries import is_closed
-from halfphysics.render.rasterizer import Camera
-from halfphysics.render.result_meshes import FAINT_ALPHA, FLOOR, Drawing, Item
+from halfphysics.render import outlines
+from halfphysics.render.creases import split
+from halfphysics.render.ghost import Separation
+from halfphysics.render.look import EDGE_WIDTH, GLASS_ALPHA
+from halfphysics.render.rasterizer import Camera, linear
+from halfphysics.render.result_meshes import Drawing, Item
 from halfphysics.render.viewpoint import FOV
 from halfphysics.viewer.bones import GRAIN
 from halfphysics.viewer.figure import Figure, moving_joints, rgb
+from halfphysics.viewer.lights import Lights
 
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
 
 Array = NDArray[np.float64]
 
-_SKY, _GROUND, _SKY_STRENGTH = (255, 255, 255), (190, 185, 180), 1.4
+# The ground is translucent grey: darker than a light page, lighter than a dark one. Its colour, the
+# opacities of the plane, of its lines every half metre and every metre, and of shadows.
+_GROUND, _PLANE, _CELL, _SECTION, _SHADOW = (118, 126, 138), 0.24, 0.3, 0.6, 0.45
+# A mesh of more faces is shaded flat: finding its sharp edges would take seconds.
+_MOST_SPLIT = 60_000
+# It fades out at this distance from the camera, for a story of no extent [m].
+_HORIZON = 26.0
 _KINDS = ("person", "ghost")
 
 
@@ -111,7 +122,7 @@ class Stage:
             "body": Layer("Body", [*self.people]),
             "ghost": Layer("Ghost", [*self.ghosts]),
             "objects": Layer("Objects", [*self._objects.values()]),
-            "scene": Layer("Scene", [*self._statics.values()]),
+            "scene": Layer("Scene", [*self._statics.values(), *self._edges]),
         }
         self.layers = {name: layer for name, layer in layers.items() if layer.parts}
 
@@ -123,6 +134,7 @@ class Stage:
             for name, item in drawing.statics.items()
             if name not in without
         }
+        self._edges = self._add_edges(without)
         self._objects = {
             name.removeprefix("object/"): add_mesh(self._server, self.path(name), item, None)
             for name, item in drawing.objects.items()
@@ -139,6 +151,9 @@ class Stage:
         """Add a figure and a ghost for every person."""
         self._frames: list[tuple[tuple[Array, Array], ...]] = []
         self._joints: list[Array] = []
+        self._apart: list[Separation] = []
+        # Per person: is it the ghost -> its pose.
+        self._poses: list[dict[bool, tuple[Array, Array]]] = []
         self.people: list[Figure] = []
         self.ghosts: list[Figure] = []
         for k, person in enumerate(self.drawing.result.people):
@@ -148,8 +163,10 @@ class Stage:
             for kind, figures in zip(_KINDS, (self.people, self.ghosts), strict=True):
                 skin = self.drawing.skin(k, kind == "ghost")
                 name = self.path(f"{kind}/{k}")
-                figures.append(figure(self._server, name, skin, person.body, joints))
+                figures.append(figure(self._server, name, skin, person.body, joints, person=k))
             self._frames.append(frames)
+            self._apart.append(Separation(person.body))
+            self._poses.append({})
             self._joints.append(frames[0][0][0])
 
     def __len__(self) -> int:
@@ -176,7 +193,7 @@ class Stage:
     def pose(
         self, person: int, positions: Array, quaternions: Array, *, ghost: bool = False
     ) -> None:
-        """Move one person or ghost.
+        """Move one person or ghost. A ghost fades by the person's pose: move the person first.
 
         Args:
             person: Index of the person.
@@ -188,6 +205,10 @@ class Stage:
             (self.ghosts if ghost else self.people)[person].pose(positions, quaternions)
             if not ghost:
                 self._joints[person] = positions
+            poses = self._poses[person]
+            poses[ghost] = positions, quaternions
+            if ghost and len(poses) == 2:
+                self.ghosts[person].fade(self._apart[person].of(poses[False], poses[True]))
 
     def joints(self) -> list[Array]:
         """Joints of each person in the present pose (55, 3) [m], in the frame of the prefix."""
@@ -234,15 +255,44 @@ class Stage:
     def _add_static(self, name: str, item: Item, faint: bool) -> Any:
         if item.surface.fade is not None:
             return _add_floor(self._server, self.path(name), item, self.drawing)
-        return add_mesh(self._server, self.path(name), item, FAINT_ALPHA if faint else None)
+        return add_mesh(self._server, self.path(name), item, GLASS_ALPHA if faint else None)
+
+    def _add_edges(self, without: Collection[str]) -> list[Any]:
+        """Add the edges of all statics as one node; none: there are no edges."""
+        found, colors = [], []
+        for name, item in self.drawing.statics.items():
+            if name not in without and item.surface.cull != "back":
+                found.append(outlines.edges(item.at(0)))
+                # viser takes these colours as linear light.
+                light = np.rint(
+                    255 * linear(outlines.shade(item.surface.color, self.drawing.theme))
+                )
+                shade = light.astype(np.uint8)
+                colors.append(np.broadcast_to(shade, found[-1].shape))
+        segments = np.concatenate(found) if found else np.zeros((0, 2, 3))
+        if not len(segments):
+            return []
+        node = self._server.scene.add_line_segments(
+            self.path("edges"),
+            segments,
+            np.concatenate(colors),
+            thickness=EDGE_WIDTH,
+            thickness_units="screen",
+        )
+        return [node]
 
 
-def light(server: Any) -> None:
-    """Add light from a sky and a reflecting ground: viser's environment map bleaches skin."""
-    server.scene.configure_environment_map(hdri=None)
-    server.scene.add_light_hemisphere(
-        "/light/sky", sky_color=_SKY, ground_color=_GROUND, intensity=_SKY_STRENGTH
+def middle(stages: Sequence[Stage]) -> Array:
+    """Mean of the people's pelvises in the present poses, in the world (3,) [m]."""
+    result: Array = np.mean(
+        [p[0] + stage.offset for stage in stages for p in stage.joints()], axis=0
     )
+    return result
+
+
+def light(server: Any, direction: Sequence[float] = (0.0, -1.0, 0.0), reach: float = 0.0) -> Lights:
+    """Add the lights; the arguments are those of `Lights`."""
+    return Lights(server, (direction[0], direction[1], direction[2]), reach)
 
 
 def aim(server: Any, camera: Camera) -> None:
@@ -258,13 +308,17 @@ def add_mesh(server: Any, name: str, item: Item, opacity: float | None) -> Any:
     surface = item.surface
     # A closed mesh is drawn one-sided: no shadow stripes, and one layer if translucent.
     solid = is_closed(surface.faces, len(surface.vertices))
+    vertices, faces = surface.vertices, surface.faces
+    flat = surface.crease < 180.0 and len(faces) > _MOST_SPLIT
+    if surface.crease < 180.0 and not flat:
+        vertices, faces = split(vertices, faces, surface.crease)
     return server.scene.add_mesh_simple(
         name,
-        surface.vertices,
-        surface.faces,
+        vertices,
+        faces,
         color=rgb(surface.color),
         opacity=opacity,
-        flat_shading=surface.crease < 180.0,
+        flat_shading=flat,
         side="front" if surface.cull == "back" or solid else "double",
         cast_shadow=opacity is None and surface.casts,
         position=tuple(item.position[0]),
@@ -276,16 +330,19 @@ def _add_floor(server: Any, name: str, item: Item, drawing: Drawing) -> Any:
     corners = item.surface.vertices
     return server.scene.add_grid(
         name,
-        width=float(np.linalg.norm(corners[1] - corners[0])),
-        height=float(np.linalg.norm(corners[3] - corners[0])),
+        # Beyond the fading, so that no camera sees its border.
+        width=float(np.linalg.norm(corners[1] - corners[0])) + 4.0 * _HORIZON,
+        height=float(np.linalg.norm(corners[3] - corners[0])) + 4.0 * _HORIZON,
         cell_size=0.5,
         section_size=1.0,
-        cell_color=rgb(FLOOR[1]),
-        section_color=tuple(int(0.92 * c) for c in rgb(FLOOR[1])),
-        plane_color=rgb(FLOOR[0]),
-        plane_opacity=1.0,
-        shadow_opacity=0.25,
-        fade_distance=4 * drawing.radius + 20.0,
+        cell_color=_GROUND,
+        cell_thickness=_CELL,
+        section_color=_GROUND,
+        section_thickness=_SECTION,
+        plane_color=_GROUND,
+        plane_opacity=_PLANE,
+        shadow_opacity=_SHADOW,
+        fade_distance=2.0 * drawing.radius + _HORIZON,
         position=tuple(corners.mean(axis=0)),
         wxyz=_upright(corners),
     )

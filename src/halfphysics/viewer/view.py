@@ -13,17 +13,19 @@ import numpy as np
 
 from halfphysics.errors import HalfPhysicsError, InputError
 from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.render.rasterizer import Camera
 from halfphysics.render.result_meshes import Drawing
 from halfphysics.viewer.arrange import arrange, floor_height
 from halfphysics.viewer.camera import Cameras
 from halfphysics.viewer.comparison import References, has_reference
 from halfphysics.viewer.controls import Controls
 from halfphysics.viewer.dropped import Dropped
-from halfphysics.viewer.framing import WINDOW
+from halfphysics.viewer.framing import WINDOW, on_people
 from halfphysics.viewer.layers import add_layers
 from halfphysics.viewer.motions import as_result
 from halfphysics.viewer.served import Served
 from halfphysics.viewer.stage import Layer, Stage, aim, light
+from halfphysics.viewer.theme import add_sky
 from halfphysics.viewer.timeline import Timeline
 
 if TYPE_CHECKING:
@@ -90,20 +92,27 @@ class Viewer(Served):
         self.timeline = Timeline(*((len(d), d.result.fps) for d in drawings))
         room = _OVER if len(drawings) > 1 else 0.0
         row = arrange(drawings, WINDOW, headroom=room)
-        light(self.server)
-        aim(self.server, row.camera(WINDOW))
         self.stages = self._build(drawings, row)
+
+        def home(window: tuple[int, int]) -> Camera:
+            return on_people(self.cameras.people(), row.direction, window)
+
         self.references = [
             References(self.server, stage)
             for stage in self.stages
             if len(self.stages) == 1 and has_reference(stage.drawing)
         ]
-        self.cameras = Cameras(self.server, self.stages, row.camera)
+        self.cameras = Cameras(self.server, self.stages, home, row.camera)
+        self.cameras.following = True
+        self.lights = light(self.server, row.direction.tolist(), row.reach)
+        add_sky(self.server)
+        aim(self.server, home(WINDOW))
         self.controls = Controls(self)
         self.controls.publish(self._root, self._loads)
         self.timeline.play()
         for stage in self.stages:
             stage.show(0)
+        self.lights.follow(self.cameras.subject())
 
     def take(self, name: str, content: bytes) -> None:
         """Show a dropped file beside what is shown; what is wrong with it is said in the page.
@@ -208,6 +217,8 @@ class Viewer(Served):
         with self.server.atomic() if late else contextlib.nullcontext():
             for k in late:
                 self.stages[k].show(frames[k])
+            if late:
+                self.lights.follow(self.cameras.subject())
         self.cameras.watch()
         self.cameras.follow()
         self.controls.refresh()

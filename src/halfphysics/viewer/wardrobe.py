@@ -18,14 +18,21 @@ class Wardrobe:
         self._figures: dict[Any, Figure] = {}
 
     def figure(
-        self, server: Any, name: str, surface: Surface, body: Body, bones: Any = None
+        self,
+        server: Any,
+        name: str,
+        surface: Surface,
+        body: Body,
+        bones: Any = None,
+        *,
+        person: int = 0,
     ) -> Figure:
         """A `Figure` with these arguments; the first part of `name` is ignored."""
         role = name.split("/", 2)[2]
         key = (role, surface.color, np.asarray(body.rest_vertices).tobytes())
         if key not in self._figures:
             path = f"/people/{len(self._figures)}"
-            self._figures[key] = Figure(server, path, surface, body, bones)
+            self._figures[key] = Figure(server, path, surface, body, bones, person=person)
         figure = self._figures[key]
         figure.visible = True
         return figure

@@ -7,15 +7,16 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from halfphysics.base import rotations as rot
+from halfphysics.render.look import BODIES, LIGHT, OBJECTS
 from halfphysics.render.rasterizer import Color
-from halfphysics.render.result_meshes import FLOOR, OBJECTS, PEOPLE, StaticColors
+from halfphysics.render.result_meshes import StaticColors
 from halfphysics.writers.take import Actor, Prop
 
 
 def actors_coloured(actors: Iterable[Actor]) -> Iterator[tuple[Actor, Color]]:
     """Each person with a colour (sRGB)."""
     for k, actor in enumerate(actors):
-        yield actor, PEOPLE[k % len(PEOPLE)]
+        yield actor, BODIES[k % len(BODIES)]
 
 
 def props_coloured(props: Iterable[Prop]) -> Iterator[tuple[Prop, Color]]:
@@ -27,7 +28,7 @@ def props_coloured(props: Iterable[Prop]) -> Iterator[tuple[Prop, Color]]:
             moving += 1
         else:
             size = np.ptp(rot.rotate(prop.quaternion[0], prop.vertices), axis=0)
-            yield prop, FLOOR[0] if size[2] < 1e-9 else statics.of(prop.name, size)
+            yield prop, LIGHT.ground if size[2] < 1e-9 else statics.of(prop.name, size)
 
 
 def linear(color: Color) -> list[float]:

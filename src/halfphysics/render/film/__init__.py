@@ -1,7 +1,7 @@
 """Films and pictures of results, on a machine without GPU or display.
 
 `save_film` writes .mp4, .webm and .gif, `save_picture` .png; both take `FilmOptions`. The simulated
-body is solid, what was recorded is a translucent ghost.
+body is solid, the reference is a translucent ghost.
 """
 
 from halfphysics.render.film.options import CAMERAS, FilmOptions

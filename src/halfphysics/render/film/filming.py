@@ -19,8 +19,9 @@ from halfphysics.render.film.options import FilmOptions
 from halfphysics.render.film.overlay import Overlay, Place
 from halfphysics.render.film.sampling import sampled
 from halfphysics.render.film.tracking import Story, hiding, track
+from halfphysics.render.look import DARK, GHOST, LIGHT, PEOPLE
 from halfphysics.render.rasterizer import Camera, Look, Surface, render
-from halfphysics.render.result_meshes import GHOST, PEOPLE, Drawing
+from halfphysics.render.result_meshes import Drawing
 
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
@@ -80,10 +81,13 @@ class Shoot:
         self.size = options.pixels(len(results))
         places = _places(self.size, len(results), options)
         # `Sampled` has all attributes of a result that `Drawing` uses.
-        drawings = [Drawing(cast(Any, sampled(r, f))) for r, f in zip(results, frames, strict=True)]
+        theme = DARK if options.dark else LIGHT
+        drawings = [
+            Drawing(cast(Any, sampled(r, f)), theme) for r, f in zip(results, frames, strict=True)
+        ]
         self._count = len(frames[0])
         self._views = _views(drawings, options, places, rate)
-        key = (("asked for", GHOST), ("with a body", PEOPLE[0])) if options.ghost else ()
+        key = (("reference", GHOST), ("simulated", PEOPLE[0])) if options.ghost else ()
         self._overlay = Overlay(
             self.size,
             [view.place for view in self._views],
@@ -102,11 +106,12 @@ class Shoot:
         width, height = self.size
         sheet = np.full((height, width, 3), _SEAM_COLOR, dtype=np.uint8)
         for view in self._views:
-            story = view.drawing.story(index, ghost=self.options.ghost)
+            camera = view.cameras[index]
+            story = view.drawing.moving(index, ghost=self.options.ghost)
             left, top, right, bottom = view.place
             sheet[top:bottom, left:right] = render(
-                [*view.statics, *story.values()],
-                view.cameras[index],
+                [*view.statics, *story, *view.drawing.edges(camera, view.size[1])],
+                camera,
                 view.size,
                 samples=self.options.samples,
                 look=view.look,
@@ -189,7 +194,9 @@ def _views(
                     drawing=drawing,
                     cameras=cameras,
                     statics=list(drawing.still(faint).values()),
-                    look=Look().aimed(cameras[len(cameras) // 2], drawings[0].middle),
+                    look=Look.of(drawing.theme).aimed(
+                        cameras[len(cameras) // 2], drawings[0].middle
+                    ),
                     place=place,
                 )
             )

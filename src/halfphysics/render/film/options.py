@@ -29,7 +29,7 @@ class FilmOptions:
 
     camera: tuple[str, ...] = ()
     """Where from: fixed (the whole story in view), follow, orbit, front, back, left, right (of the
-    person) or top; several are shown together. None: fixed, or follow where that is too far."""
+    person) or top; several are shown together. None: fixed where people are large, else follow."""
     size: str | tuple[int, int] | None = None
     """Width x height of the whole film, such as 640x480; None: 640x480 for each view."""
     fps: float | None = None
@@ -41,11 +41,13 @@ class FilmOptions:
     end: float | None = None
     """Where in the story it ends [s]; None: with the story."""
     ghost: bool = True
-    """Show the motion as recorded, translucent."""
+    """Show the reference, translucent."""
     label: tuple[str, ...] = ()
     """Text in the corner: one for each result, or one for each view."""
     text: bool = True
     """Show the time and which body is which."""
+    dark: bool = False
+    """A dark sky and ground."""
     layout: Literal["row", "column"] = "row"
     """Several views beside each other or below each other."""
     samples: int = 2

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.render.look import WALL
 from halfphysics.render.rasterizer import Camera
-from halfphysics.render.result_meshes import WALL, Drawing, Item
+from halfphysics.render.result_meshes import Drawing, Item
 from halfphysics.render.viewpoint import FOV, NEAR, choose_direction, facing, glass, spread
 
 Array = NDArray[np.float64]
@@ -27,7 +28,7 @@ _SIDE_HEIGHT, _TOP_HEIGHT = 10.0, 74.0
 # Azimuths from the person's facing direction [degrees].
 _SIDES = {"front": 0.0, "left": 90.0, "back": 180.0, "right": -90.0}
 # Smallest share of the picture's height for a person, with the whole story in view.
-_LARGE_ENOUGH = 0.45
+_LARGE_ENOUGH = 0.5
 # Number of frames in which hiding statics are searched.
 _LOOKS = 8
 
@@ -203,7 +204,7 @@ def hiding(drawing: Drawing, cameras: Sequence[Camera], size: tuple[int, int]) -
     furniture = {
         name: name.split("_")[0]
         for name, item in drawing.statics.items()
-        if item.surface.color != WALL and item.surface.checker is None
+        if item.surface.color != WALL and item.surface.cull != "back"
     }
     pieces = {furniture[name] for name in faint if name in furniture}
     return faint | {name for name, piece in furniture.items() if piece in pieces}

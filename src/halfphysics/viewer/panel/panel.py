@@ -58,9 +58,9 @@ class Panel:
 
     def _add_cameras(self) -> None:
         playground, gui = self._playground, self._gui
-        home = gui.add_button("See everything", icon=icon("HOME"), hint="As at the start")
-        home.on_click(lambda e: playground.do(lambda: playground.cameras.home(e.client)))
-        self.follow = gui.add_checkbox("Follow", False, hint="Go along; turn and zoom as you like")
+        whole = gui.add_button("See everything", icon=icon("HOME"), hint="The whole motion")
+        whole.on_click(lambda e: playground.do(lambda: playground.cameras.everything(e.client)))
+        self.follow = gui.add_checkbox("Follow", True, hint="Go along; turn and zoom as you like")
         self.follow.on_update(lambda _: playground.do(self.follow_now))
 
     @property

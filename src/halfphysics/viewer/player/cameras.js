@@ -59,8 +59,17 @@ function presetView(name, frame) {
   return framed(corners(...box, margin), direction, filled, windowShape());
 }
 
-/** The first view: the people large, from where the whole story is seen best. */
+/** The first view: people at half of the height, from where the whole story is seen best. */
 function homeView(frame) {
+  const { first } = data;
+  if (windowShape() < first.least) return peopleView(frame);
+  const target = add(first.target, add(trackAt(frame).middle, trackAt(0).middle, -1));
+  const away = add(first.position, first.target, -1);
+  return [add(target, away, distanceAt(frame) / distanceAt(0)), target];
+}
+
+/** People in the middle of the window. */
+function peopleView(frame) {
   const at = trackAt(frame);
   return framed(corners(at.low, at.high, MARGIN.body), data.direction, FILLED.home, windowShape());
 }
@@ -68,7 +77,7 @@ function homeView(frame) {
 /** The distance from which several people fill the window; 1 for one person. */
 function distanceAt(frame) {
   if (data.people.length < 2) return 1;
-  const [position, target] = homeView(frame);
+  const [position, target] = peopleView(frame);
   return Math.hypot(...add(position, target, -1));
 }
 

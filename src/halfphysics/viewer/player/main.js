@@ -59,6 +59,7 @@ async function startPage(packed) {
       },
       camera(name) {
         if (name === "Everything") cameras.everything(frame());
+        else if (name === "First") cameras.home(frame());
         else cameras.preset(name, frame());
         panel.follow.classList.toggle("hp-on", cameras.following);
       },
@@ -74,7 +75,10 @@ async function startPage(packed) {
     listenToDrops((file) => drops.take(file));
     let painted = -1;
     whenReady(() => {
-      clock.playing = true;
+      // The first picture stands until viser has drawn the scene (viewer/first_picture.py).
+      const begin = () => (clock.playing = true);
+      if (document.getElementById("first")) addEventListener("first-picture", begin, { once: true });
+      else begin();
       frameLoop(() => {
         const duration = Math.max((reel.frames - 1) / data.fps, drops.seconds);
         if (duration !== clock.duration) {

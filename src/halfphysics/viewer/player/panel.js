@@ -9,7 +9,7 @@ class PagePanel {
       box.addEventListener("change", () => act.layer(layer, box.checked));
       return make("label", {}, box, layer.label);
     });
-    const cameras = [...PRESETS, "Everything"].map((name) =>
+    const cameras = ["First", ...PRESETS, "Everything"].map((name) =>
       make("button", { onclick: () => act.camera(name) }, name));
     this.follow = make("button", { id: "hp-follow", onclick: () => act.follow() }, "Follow");
     const key = make("div", { id: "key" });

@@ -103,8 +103,8 @@ def test_the_figure_fills_half_of_the_first_picture(page):
     page.page.screenshot(path=page.kept / f"page-{page.name}.png")
     rows, columns = np.nonzero(drawn(page, "body"))
     height = page.height - (page.height - page.box("#hp-bar")[1])
-    # With its shadow; without the outermost hundredths.
-    assert 0.42 < np.ptp(np.quantile(rows, [0.01, 0.99])) / height < 0.8
+    least = 0.46 if page.name == "desktop" else 0.4  # on a phone the width may decide
+    assert least < np.ptp(np.quantile(rows, [0.002, 0.998])) / height < 0.8
     middle = np.median(columns) / page.width
     assert 0.35 < middle < 0.65
 

@@ -84,7 +84,8 @@ def scene(page):
     """The part of the picture that the panel does not cover."""
     page.page.wait_for_timeout(200)
     width, height = map(int, free_part(*SIZES[page.name]))
-    return page.picture()[:height, :width]
+    bar, sheet = int(page.box("#hp-bar")[1]), int(page.box("text='halfphysics play'")[1]) - 20
+    return page.picture()[: min(height, bar, sheet if page.name == "phone" else bar), :width]
 
 
 def ball(picture):

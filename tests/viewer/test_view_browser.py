@@ -68,9 +68,9 @@ def ghost(picture):
 
 
 def scene(page):
-    """The part of the picture that the panel does not cover."""
+    """The part of the picture that neither the panel nor the bar covers."""
     page.page.wait_for_timeout(300)
-    picture = page.picture()
+    picture = page.picture()[: int(page.box("#hp-bar")[1])]
     left, top, _, _ = panel(page)
     return picture[:, : int(left)] if page.name == "desktop" else picture[: int(top)]
 
@@ -167,29 +167,33 @@ def test_steps_go_frame_by_frame(page, viewer):
 
 
 def test_layers_and_results_can_be_hidden(page, viewer):
+    if page.name == "phone":
+        pytest.skip("the unfolded sheet covers the people")
     viewer.timeline.seek(0.5)
     viewer.changed()
     page.page.click("text='Show'")
     page.page.wait_for_selector("text='Ghost'")
     page.page.wait_for_timeout(600)
-    page.until(lambda: ghost(scene(page)) > 100)
+    page.until(lambda: "0.50 s of 0.50 s, frame 15 of 15" in page.page.inner_text("body"))
+    page.page.wait_for_timeout(1500)  # drawn in software, it is late
+    page.until(lambda: ghost(scene(page)) > 200)
     page.screenshot(page.kept / f"view-{page.name}-layers.png")
     shown = ghost(scene(page))
-    ghosts = page.page.get_by_label("Ghost")
+    ghosts = page.page.get_by_role("checkbox", name="Ghost")
     ghosts.click()
     page.until(lambda: not viewer.stages[0].layers["ghost"].visible)
     page.until(lambda: ghost(scene(page)) < 0.3 * shown)
     ghosts.click()
     page.until(lambda: ghost(scene(page)) > 0.7 * shown)
     named = scene(page)
-    page.page.get_by_label("Names").click()
+    page.page.get_by_role("checkbox", name="Names").click()
     page.until(lambda: not viewer.stages[0].layers["label"].visible)
     page.until(lambda: moved(scene(page), named) > 40)
-    page.page.get_by_label("Names").click()
+    page.page.get_by_role("checkbox", name="Names").click()
     page.until(lambda: viewer.stages[0].layers["label"].visible)
-    page.page.get_by_label("stiff").click()
+    page.page.get_by_role("checkbox", name="stiff").click()
     page.until(lambda: not viewer.stages[1].visible)
     page.until(lambda: ghost(scene(page)) < 0.8 * shown)
-    page.page.get_by_label("stiff").click()
+    page.page.get_by_role("checkbox", name="stiff").click()
     page.until(lambda: viewer.stages[1].visible)
     page.page.click("text='Show'")

@@ -53,5 +53,9 @@ def _finger(name):
 def test_a_camera_goes_along_with_who_goes_far():
     boxes = np.zeros((10, 18))
     assert not goes_far(boxes)
-    boxes[:, 7] = np.linspace(0.0, 1.5, 10)
-    assert goes_far(boxes)
+    boxes[:, 8] = np.linspace(0.0, 1.5, 10)  # a jump
+    assert not goes_far(boxes)
+    for corner in (1, 3):  # one of two people stays
+        moved = boxes.copy()
+        moved[:, corner] = np.linspace(0.0, 1.5, 10)
+        assert goes_far(moved)

@@ -58,8 +58,8 @@ def track(drawings: Sequence[Drawing], offsets: Array, frames: Sequence[int]) ->
 
 
 def goes_far(boxes: Array) -> bool:
-    """Whether people of `track` go far enough that a camera should go along."""
-    return bool(np.ptp(boxes[:, 6:8], axis=0).max() > GOES)
+    """Whether people of `track` go, part or meet so far that a camera should go along."""
+    return bool(np.ptp(boxes[:, [0, 1, 3, 4]], axis=0).max() > GOES)
 
 
 def _touching(drawing: Drawing, person: int) -> NDArray[np.bool_]:

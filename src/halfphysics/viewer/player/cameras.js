@@ -4,7 +4,7 @@
 // their `middle`, the direction `left` of the first person, and `hands`.
 
 const MARGIN = { body: 0.16, hands: 0.06 }; // around joints [m]
-const FILLED = { home: 0.6, whole: 0.92, body: 0.8, hands: 0.7 }; // filled share of the window
+const FILLED = { home: 0.76, body: 0.8, hands: 0.7 }; // filled share of the window
 const LEAST = 0.6; // least distance from the middle [m]
 const LATE = 0.25; // time constant of following [s]
 const ZOOM = 0.6; // time constant of the distance, where several people part or meet [s]
@@ -61,28 +61,24 @@ function presetView(name, frame) {
 
 /** The first view: people at half of the height, from where the whole story is seen best. */
 function homeView(frame) {
-  const at = trackAt(frame);
   const { first } = data;
-  if (windowShape() >= first.least) {
-    const way = add(at.middle, trackAt(0).middle, -1);
-    return [add(first.position, way), add(first.target, way)];
-  }
+  if (windowShape() < first.least) return peopleView(frame);
+  const target = add(first.target, add(trackAt(frame).middle, trackAt(0).middle, -1));
+  const away = add(first.position, first.target, -1);
+  return [add(target, away, distanceAt(frame) / distanceAt(0)), target];
+}
+
+/** People in the middle of the window. */
+function peopleView(frame) {
+  const at = trackAt(frame);
   return framed(corners(at.low, at.high, MARGIN.body), data.direction, FILLED.home, windowShape());
 }
 
 /** The distance from which several people fill the window; 1 for one person. */
 function distanceAt(frame) {
   if (data.people.length < 2) return 1;
-  const [position, target] = homeView(frame);
+  const [position, target] = peopleView(frame);
   return Math.hypot(...add(position, target, -1));
-}
-
-/** The whole motion. */
-function wholeView() {
-  const ends = data.track.map((_, frame) => trackAt(frame));
-  const low = [0, 1, 2].map((k) => Math.min(...ends.map((at) => at.low[k])));
-  const high = [0, 1, 2].map((k) => Math.max(...ends.map((at) => at.high[k])));
-  return framed(corners(low, high, MARGIN.body), data.direction, FILLED.whole, windowShape());
 }
 
 class PageCameras {
@@ -104,10 +100,12 @@ class PageCameras {
   preset(name, frame) { this.look(presetView(name, frame), frame); }
   home(frame) { this.look(homeView(frame), frame); }
 
-  /** Sees everything, and stays. */
-  whole(frame) {
+  /** The whole motion; the camera stays there. */
+  everything(frame) {
+    const ends = [0, 3].map((start) => [0, 1, 2].map((k) =>
+      data.track.reduce((end, row) => (start ? Math.max : Math.min)(end, row[start + k]), start ? -1e9 : 1e9)));
     this.following = false;
-    this.look(wholeView(), frame);
+    this.look(framed(corners(...ends, MARGIN.body), data.direction, FILLED.body, windowShape()), frame);
   }
 
   follow(frame) {

@@ -8,7 +8,7 @@ const KEYS = [
   ["Home End", "To the start or the end"],
   ["f", "Follow the person"],
   ["1 2 3 4", PRESETS.join(", ")],
-  ["0", "See everything"],
+  ["0", "The first view"],
   ["c", "Compare: two halves with a slider"],
   ["?", "These keys"],
 ];

@@ -58,7 +58,7 @@ async function startPage(packed) {
         redraw();
       },
       camera(name) {
-        if (name === "Everything") cameras.whole(frame());
+        if (name === "Everything") cameras.everything(frame());
         else if (name === "First") cameras.home(frame());
         else cameras.preset(name, frame());
         panel.follow.classList.toggle("hp-on", cameras.following);

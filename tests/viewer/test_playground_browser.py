@@ -91,7 +91,8 @@ def scene(page):
 def ball(picture):
     """Pixels (n, 2) of the orange ball, x before y."""
     red, green, blue = np.moveaxis(picture, -1, 0)
-    return np.argwhere((red > 130) & (red - blue > 70) & (red - green > 40))[:, ::-1]
+    # Bare skin has less red, compared with its blue.
+    return np.argwhere((red > 130) & (red - blue > 100) & (red - green > 40))[:, ::-1]
 
 
 def number(page, label):

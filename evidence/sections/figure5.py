@@ -293,7 +293,7 @@ _PICTURED = ("drop", "heavy")
 def _variants(case: Case, quick: bool) -> Iterator[tuple[str, choices.Choice, Values]]:
     """End of the key, settings and options: with our drive, and with the setting of the paper.
 
-    Friction holds better at a higher frame rate and with firmer joints: both are shown.
+    Friction holds better at a higher frame rate and with stiffer joints: both are shown.
     """
     yield "", choices.OURS, {}
     if quick or case.beyond:
@@ -384,7 +384,7 @@ SECTION = Section(
     title="Figure 5: objects",
     about="What a person holds is held by friction, falls when it is let go, and gets the speed "
     "that its mass allows; what nobody touches stays; what is too heavy or too smooth makes the "
-    "body give instead. The paper shows pictures at firmness 0; each is a number here.",
+    "body give instead. The paper shows pictures at stiffness 0; each is a number here.",
     tasks=tasks,
     content=content,
 )

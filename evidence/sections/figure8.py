@@ -132,7 +132,7 @@ def _row(stiffness: float, found: Mapping[str, Any], limp: Any, firm: Any) -> Ro
     figures.append(Figure(name="turn of the ankle", unit="°", ours=found["ankle"]))
     figures.append(at_most(0.0, found["deepest"], name="deepest", unit="mm"))
     return Row(
-        name=f"firmness {stiffness:g}",
+        name=f"stiffness {stiffness:g}",
         data=f"kick_ball fixed=True speed={SPEED:g}",
         setting=choices.said({**choices.LIMP, "stiffness": stiffness}),
         figures=tuple(figures),
@@ -181,7 +181,7 @@ def _plots(sweep: list[float], values: Mapping[str, Any]) -> tuple[Plot, ...]:
 
 SECTION = Section(
     key="figure8",
-    title="Figure 8: firmness",
+    title="Figure 8: stiffness",
     about="A fast kick at a ball that is fixed to the floor. With lambda 0 the leg bends past it "
     "and the body keeps its path; with lambda 1 the leg stays as it is and the whole body is "
     "displaced. Beyond the paper: all that lies between and beyond.",

@@ -73,7 +73,7 @@ WAYS = {
     ),
     "engine-velocity": Way("MuJoCo, velocities set", {"mode": "engine_velocity"}),
     "torque": Way("joint torques (PD)", {"mode": "torque"}, False),
-    "paper": Way("half-physics, firmness 1", choices.FIRM, False, None, False),
+    "paper": Way("half-physics, stiffness 1", choices.FIRM, False, None, False),
 }
 #: Methods that a quick report leaves out, and methods with a picture.
 _SLOW = ("paper", "interpolated-240", "torque")

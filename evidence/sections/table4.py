@@ -39,7 +39,7 @@ _QUICK_SWEEPS: dict[str, tuple[float, ...]] = {
     "joint_damping": (0.0, 0.01, 0.1, 1.0),
 }
 _WORDS = {
-    "stiffness": ("Internal forces on: firmness of the joints", "λ", ""),
+    "stiffness": ("Internal forces on: stiffness of the joints", "λ", ""),
     "substeps": ("Internal forces on: substeps per frame", "substeps", ""),
     "joint_damping": ("Joint damping", "damping", "N m s/rad"),
 }

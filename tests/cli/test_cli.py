@@ -154,6 +154,21 @@ def test_evaluate_a_motion(folder, capsys):
     assert re.search(r"skin vertices inside \[%\]\s+100\.000", capsys.readouterr().out)
 
 
+def test_a_body_model_that_is_gone_is_given_anew(folder, capsys):
+    """The way out of the message is a way out."""
+    from halfphysics.body import body as module
+
+    (folder / "SMPLX_NEUTRAL.npz").write_bytes(module._ASSET.read_bytes())
+    contact = ("--contact", "parts")
+    assert run("simulate", "walk.npz", "--body", "SMPLX_NEUTRAL.npz", *contact, "-o", "r.npz") == 0
+    (folder / "SMPLX_NEUTRAL.npz").rename("moved.npz")
+    capsys.readouterr()
+    assert run("evaluate", "r.npz") == 2
+    err = capsys.readouterr().err
+    assert err.endswith("is not there. Put it back, or give evaluate one with --body\n")
+    assert run("evaluate", "r.npz", "--body", "moved.npz") == 0
+
+
 def test_ground(folder, capsys):
     run("simulate", "walk.npz", "-o", "a.npz")
     run("simulate", "walk.npz", "-o", "b.npz", "--no-ground")

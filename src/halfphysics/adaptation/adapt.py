@@ -241,7 +241,7 @@ def _free(holds: Sequence[RecordedHold], held: Sequence[AdaptedHold]) -> list[Re
 
 
 def _tensed(out: Motion, recorded: Motion, firmer: Array) -> Motion:
-    """The motion with joints that are firmer (T, 55) while it holds, by the most of all holds."""
+    """The motion with joints that are stiffer (T, 55) while it holds, by the most of all holds."""
     usual = np.ones((len(out), N_JOINTS))
     if recorded.stiffness_scale is not None:
         usual = recorded.stiffness_scale

@@ -120,7 +120,7 @@ def _curl(body: Body, hand: Limb, force: Array, stiffness: float, time: float) -
 
 
 def firmer(hand: Hand, presses: Array, *, pulls: bool = False) -> Array:
-    """How much firmer a hand that holds makes all joints (T, 55).
+    """How much stiffer a hand that holds makes all joints (T, 55).
 
     Args:
         hand: Which hand.

@@ -83,7 +83,7 @@ def _take(line: str, section: Section) -> None:
 
 def _meaning(text: str) -> str:
     """What an option means, with its default in plain words."""
-    unset = re.search(r"\(default: none\)$", text) is not None
+    unset = re.search(r"\((?:default: none|repeatable)\)$", text) is not None
     text = re.sub(r" ?\((?:default: (?:none|None|False|)|required)\)$", "", text)
     if unset:
         text = re.sub(r"(^|\. )None: ", r"\1If not given: ", text).replace(

@@ -21,7 +21,7 @@ halfphysics render result.npz page.html
 halfphysics render walk.npz walk.mp4
 halfphysics render result.npz standing.html --support
 halfphysics render result.npz slow.mp4 --camera follow --camera top --speed 0.25 --start 2 --end 3
-halfphysics render limp.npz firm.npz film.mp4 --label limp --label firm --camera orbit
+halfphysics render limp.npz stiff.npz film.mp4 --label limp --label stiff --camera orbit
 halfphysics render result.npz strip.png
 halfphysics render result.npz still.png --frame 120 --size 1280x720"""
 

@@ -102,6 +102,8 @@ def _bare(name: str, voice: Voice) -> str:
 
 def _outside(message: str, pattern: re.Pattern[str], text: Any) -> str:
     """Replace a pattern everywhere but in what a user wrote."""
+    if pattern.search(message) is None:
+        return message
     given = re.compile(f"{_GIVEN}|(?P<hit>{pattern.pattern})")
 
     def replaced(found: re.Match[str]) -> str:

@@ -136,7 +136,7 @@ def _person(
 
 
 def _once(rows: list[Near]) -> Near:
-    """Merge the rows of several items: every vertex once per frame, with its smallest distance."""
+    """Merge the rows of several items: every vertex once per frame, with its minimum distance."""
     every = Near.joined(rows)
     order = np.lexsort((every.distance, every.vertex, every.frame))
     frame, vertex = every.frame[order], every.vertex[order]

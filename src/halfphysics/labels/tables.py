@@ -45,7 +45,7 @@ class PersonLabels:
         body_near: For every object, the vertices of the skin that touch it.
         object_near: For every object, its vertices that touch the skin.
         scene_near: The vertices of the skin that touch static geometry, once per frame, with the
-            smallest distance.
+            minimum distance.
         human_parts: Parts that touch an object (T, 55): by a vertex, or by an impulse of the solver
             during (t-1, t].
         scene_parts: The same for static geometry: statics, and links that no joint moves.

@@ -29,7 +29,7 @@ class LabelReport:
             at their frame, or at a pose on the way to it [%]; 100 where there are none.
         at_frame_percent: Share of them for which that holds at the pose of their frame itself [%]:
             after a bounce the sides are apart again.
-        distance: Smallest distance of the two sides of every row of ``result.contacts`` (n,) on the
+        distance: Minimum distance of the two sides of every row of ``result.contacts`` (n,) on the
             way to its frame [m]; 0 or less if they overlap, inf beyond 0.1 m, nan without an
             impulse.
     """

@@ -36,7 +36,7 @@ class FloatReport:
         percent: Share of the frames that are not airborne in which the person floats [%].
         mean_mm: Mean over the frames that are not airborne of the gap where it floats, else 0 [mm].
         max_mm: Largest gap of those frames [mm].
-        gap: Smallest distance of the skin from a surface that can carry it (T,) [m]: negative
+        gap: Minimum distance of the skin from a surface that can carry it (T,) [m]: negative
             inside one; at most 1 m.
         airborne: Frames in which the motion is airborne by itself (T,).
         floats: Frames in which the person floats (T,).
@@ -63,7 +63,7 @@ def floating(
 ) -> FloatReport:
     """Frames in which no skin is near a surface that can carry it, though the person does not jump.
 
-    The gap is the smallest distance of any skin (soles, seat, back, hands) from a surface of a
+    The gap is the minimum distance of any skin (soles, seat, back, hands) from a surface of a
     static, an object or a link from which the shortest way to the skin rises by at least 30
     degrees: a wall beside a person carries nobody. A person floats where it is over `tolerance`
     and `reference` is not airborne (`halfphysics.metrics.airborne`).

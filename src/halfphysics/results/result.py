@@ -192,7 +192,7 @@ class Result(InNotebook, ReadOnly):
             whose mesh file is missing are left out, with a warning.
         names: Names to which `contacts` refers: statics, objects, people, in this order.
         contacts: The contacts, one row per pair and frame.
-        clearance: Smallest distance of the people from the statics in every frame (T,) [m]; inf
+        clearance: Minimum distance of the people from the statics in every frame (T,) [m]; inf
             beyond `Settings.clearance_range`, negative: penetration.
         lost_time: Time by which blocked steps were shortened, per frame (T,) [s].
         settings: Settings of the simulation.
@@ -390,7 +390,7 @@ class Result(InNotebook, ReadOnly):
 
         Accuracy of following, what was held and what failed of it, floating, slide of feet in
         stance, net force, contacts and their forces, deviation from what was recorded, overlaps at
-        the start, motion of objects, smallest distance, lost time. Forces are impulses of a frame
+        the start, motion of objects, minimum distance, lost time. Forces are impulses of a frame
         divided by its length. Missing files of a loaded result (bodies, meshes) are named.
         """
         from halfphysics.metrics.result_report import summary

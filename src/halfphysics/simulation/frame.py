@@ -36,7 +36,7 @@ class Frame:
         joints: Name of an articulated object's joint -> its value () [rad or m], (4,) of a ball.
         contacts: The contacts during the frame.
         inside: Which parts and objects are inside something, and how deep.
-        clearance: Smallest distance of the people from the statics [m]; inf beyond
+        clearance: Minimum distance of the people from the statics [m]; inf beyond
             `Settings.clearance_range`, negative where they penetrate.
         lost_time: Time by which blocked steps were shortened [s].
         torques: What the drive exerted on the people's joints, see `PersonResult.torque`.

@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[1]
 #: A source or a document in backquotes, with enough of its path to identify it.
 FILE = re.compile(r"`([\w./-]+\.(?:py|cpp|h|md))`")
 #: A document named in a comment, or a link from one document to another.
-DOCUMENT = re.compile(r"\bdocs/[\w/-]+\.md\b")
+DOCUMENT = re.compile(r"\bdocs/(?:tutorials/)?[\w-]+\.md\b")
 #: Names of files that a reader writes, not files of the repository.
 EXAMPLES = {"NAME.py", "my_format.py", "card.md"}
 

@@ -8,12 +8,15 @@ import subprocess
 from pathlib import Path
 
 import pytest
+import yaml
+
+import halfphysics as hp
 
 ROOT = Path(__file__).resolve().parents[1]
 #: A source or a document in backquotes, with enough of its path to identify it.
 FILE = re.compile(r"`([\w./-]+\.(?:py|cpp|h|md))`")
 #: A document named in a comment, or a link from one document to another.
-DOCUMENT = re.compile(r"\bdocs/[\w-]+\.md\b")
+DOCUMENT = re.compile(r"\bdocs/(?:tutorials/)?[\w-]+\.md\b")
 #: Names of files that a reader writes, not files of the repository.
 EXAMPLES = {"NAME.py", "my_format.py", "card.md"}
 
@@ -33,7 +36,8 @@ def tracked() -> list[str]:
 
 
 def documents() -> list[str]:
-    return ["README.md", "CONTRIBUTING.md", *(f"docs/{p.name}" for p in ROOT.glob("docs/*.md"))]
+    found = (path.relative_to(ROOT).as_posix() for path in sorted(ROOT.glob("docs/**/*.md")))
+    return ["README.md", "CONTRIBUTING.md", *found]
 
 
 @pytest.mark.parametrize("document", documents())
@@ -62,6 +66,28 @@ def test_documents_that_a_source_names_exist():
         if gone:
             missing[file] = sorted(gone)
     assert not missing
+
+
+def test_the_version_to_cite_is_this_one():
+    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert cited["version"] == hp.__version__
+    assert {"cff-version", "message", "title", "authors"} <= set(cited)
+    bibtex = (ROOT / "docs" / "citing.md").read_text(encoding="utf-8")
+    assert f"version = {{{hp.__version__}}}" in bibtex
+    paper = cited["references"][0]
+    assert paper["title"].replace("3D", "{3D}") in bibtex
+    assert paper["url"].rpartition("/")[2] in bibtex
+
+
+def test_issue_templates_are_forms():
+    for path in (ROOT / ".github" / "ISSUE_TEMPLATE").glob("*.yml"):
+        form = yaml.safe_load(path.read_text(encoding="utf-8"))
+        if path.name == "config.yml":
+            continue
+        assert {"name", "description", "body"} <= set(form), path.name
+        ids = [field["id"] for field in form["body"]]
+        assert len(ids) == len(set(ids))
+        assert all(field["attributes"]["label"] for field in form["body"])
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="bash expands the list")

@@ -249,9 +249,10 @@ def _commands() -> str:
             main([name, "--help"])
         text = re.sub(r"\x1b\[[0-9;]*m", "", said.getvalue())
         body = "\n".join(f"   {line}".rstrip() for line in text.splitlines())
+        about = re.sub(r"(--\w+)", r"``\1``", f"{about[:1].upper()}{about[1:]}")
         parts += [
             _title(name, "-"),
-            f"{about[:1].upper()}{about[1:]}.\n",
+            f"{about}.\n",
             f".. code-block:: text\n\n{body}\n",
         ]
     return "\n".join(parts)

@@ -6,6 +6,8 @@ import importlib.util
 import re
 from pathlib import Path
 
+from sphinx.ext.napoleon import Config, GoogleDocstring
+
 import halfphysics
 
 project = "halfphysics"
@@ -15,7 +17,6 @@ version = release = halfphysics.__version__
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
-    "sphinx.ext.napoleon",
     "sphinx_copybutton",
     "sphinx.ext.mathjax",
 ]
@@ -36,11 +37,11 @@ autodoc_member_order = "bysource"
 autodoc_preserve_defaults = True
 autodoc_typehints = "none"  # docstrings say shapes and units
 autodoc_class_signature = "mixed"
-napoleon_google_docstring = True
-napoleon_numpy_docstring = False
-napoleon_use_ivar = True
-napoleon_attr_annotations = False  # shapes and units are in the docstrings
-napoleon_use_rtype = False
+_GOOGLE = Config(
+    napoleon_use_ivar=True,
+    napoleon_use_rtype=False,
+    napoleon_attr_annotations=False,  # shapes and units are in the docstrings
+)
 python_maximum_signature_line_length = 88
 add_module_names = False
 toc_object_entries_show_parents = "hide"
@@ -48,7 +49,7 @@ toc_object_entries_show_parents = "hide"
 # -- Look
 html_theme = "furo"
 html_title = "halfphysics"
-smartquotes = False
+smartquotes_action = "D"  # dashes between names and their descriptions
 html_static_path = ["static"]
 html_css_files = ["site.css"]
 html_copy_source = False
@@ -83,7 +84,9 @@ _LITERAL = re.compile(r"::$")
 
 
 def _plain(app, what, name, obj, options, lines):
-    """Escape reStructuredText in sentences; blocks after `::` are left as they are."""
+    """Escape reStructuredText in sentences; blocks after `::` are left as they are. Then sections
+    (Args, Raises) become fields; called here, as napoleon takes "What it is: more" of a property
+    for a type."""
     indent = None
     for k, line in enumerate(lines):
         here = len(line) - len(line.lstrip())
@@ -93,6 +96,8 @@ def _plain(app, what, name, obj, options, lines):
             lines[k] = _MARKUP.sub(lambda m: m[1] or f"\\{m[2]}", line)
             if _LITERAL.search(line):
                 indent = here
+    kind = what if what in ("module", "class") else "method"
+    lines[:] = GoogleDocstring(lines, _GOOGLE, app, kind, name, obj, options).lines()
 
 
 def _defaults(app, what, name, obj, options, signature, returned):
@@ -110,4 +115,4 @@ def setup(app):
     """Called by Sphinx."""
     app.connect("builder-inited", _copy_mathjax)
     app.connect("autodoc-process-signature", _defaults)
-    app.connect("autodoc-process-docstring", _plain, priority=400)  # before napoleon
+    app.connect("autodoc-process-docstring", _plain)

@@ -4,17 +4,17 @@
     python tools/check_installed.py                     # all that can run with what is installed
     python tools/check_installed.py tests/base -k atomic     # some; options go to pytest
 
-Needs the tests (a clone of this repository, or the unpacked sdist), but nothing of `src`: the
-package must come from elsewhere, or this says so and stops. Test files that import what is not
-installed (the extra `test` names all of it) are left out; which, and for want of what, is printed.
+Needs a clone of this repository, for its tests, but nothing of its `src`: the package must come from
+elsewhere, or this says so and stops. Test files that import what is not installed (the extra `test`
+names all of it) are left out; which, and for want of what, is printed.
 """
 
 from __future__ import annotations
 
-import argparse
 import ast
 import importlib.metadata
 import importlib.util
+import itertools
 import os
 import subprocess
 import sys
@@ -40,14 +40,18 @@ OWN_NAMES = {"evidence", *(folder.name for folder in (ROOT / "tests").iterdir() 
 
 def main() -> int:
     """Find the package, choose the tests, run pytest; its exit code, or 2."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("paths", nargs="*", help="files or folders of tests; all that are quick")
-    arguments, options = parser.parse_known_args()
+    arguments = sys.argv[1:]
+    if arguments[:1] in (["-h"], ["--help"]):
+        print(__doc__)
+        return 0
+    # Files and folders come first; from the first option on, all is pytest's.
+    paths = list(itertools.takewhile(lambda argument: not argument.startswith("-"), arguments))
+    options = arguments[len(paths) :]
     problem = not_installed()
     if problem:
         print(f"check_installed: {problem}", file=sys.stderr)
         return 2
-    files, left = chosen([Path(path).resolve() for path in arguments.paths])
+    files, left = chosen([Path(path).resolve() for path in paths])
     for name, names in sorted(left.items()):
         print(f"check_installed: without {name}, left out: {', '.join(sorted(names))}")
     if not files:

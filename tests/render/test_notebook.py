@@ -98,6 +98,17 @@ def test_tables_show_bars(make, unit):
     assert max(heights) == pytest.approx(90.0, abs=0.01)
 
 
+def test_contacts_name_who_touches_what():
+    result = small.result()
+    contacts = result.contacts
+    rows = (contacts.person == 0) & (contacts.other == result.names.index("wall"))
+    hardest = 30.0 * np.linalg.norm(contacts.impulse[rows], axis=1).max()
+    frames = len(set(contacts.frame[rows]))
+    text = contacts._repr_html_()
+    assert f"person0 on wall: {frames} frames, up to {hardest:.0f} N" in text
+    assert "crate on platform: 8 frames" in text
+
+
 def test_bars_are_proportional_to_the_impulses():
     contacts = small.result().contacts
     sums = np.bincount(contacts.frame, weights=contacts.strength)

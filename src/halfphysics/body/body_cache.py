@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base import progress as bars
 from halfphysics.base.cache_folder import cache_folder
 from halfphysics.base.npz import Npz, write_npz
 from halfphysics.base.stopwatch import Stopwatch
@@ -57,7 +58,8 @@ def variant_of(body: Body) -> Variant:
         logger.debug("the rigid parts of %r were kept", body)
         return variant
     clock = Stopwatch(logger)
-    with warnings.catch_warnings(record=True) as caught:
+    making = bars.bar(1, "making the parts of a body", "body")
+    with warnings.catch_warnings(record=True) as caught, making:
         warnings.simplefilter("always")
         variant = build_variant(body)
     for warning in caught:
@@ -75,8 +77,9 @@ def corners_of(body: Body) -> SkinHulls:
         from halfphysics.body.skin_corners import without_inner  # imports scipy
 
         clock = Stopwatch(logger)
-        hulls = body.skin_hulls
-        corners = without_inner(hulls, body.weights, body.rest_vertices, body.posedirs)
+        with bars.bar(1, "making the hulls of a skin", "body"):
+            hulls = body.skin_hulls
+            corners = without_inner(hulls, body.weights, body.rest_vertices, body.posedirs)
         write_corners(body, corners)
         clock.done("made the hulls of the skin of %r", body)
     return corners

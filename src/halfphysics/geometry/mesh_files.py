@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base import progress as bars
 from halfphysics.base.digests import sha256_of
 from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.base.suggestions import did_you_mean
@@ -69,7 +70,7 @@ def load_mesh(
         up = "y" if path.suffix.lower() in Y_UP_SUFFIXES else "z"
     try:
         digest = sha256_of(path)
-        with path.open("rb") as stream:
+        with path.open("rb") as stream, bars.bar(1, f"loading {path.name}", "file"):
             scene = trimesh.load(
                 stream,
                 file_type=suffix,

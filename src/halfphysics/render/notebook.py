@@ -25,6 +25,7 @@ from halfphysics.render.rasterizer import Camera, Look, Surface, render
 from halfphysics.render.result_meshes import Drawing
 from halfphysics.render.viewpoint import cameras, facing, glass, spread
 from halfphysics.results import overview
+from halfphysics.results.contacts import Contacts
 from halfphysics.results.moment import Figure, Moment, at_start, standing_still
 from halfphysics.results.result import PersonResult, Result
 from halfphysics.results.table import Table
@@ -79,6 +80,8 @@ def _lines(shown: Any) -> Sequence[str]:
         return overview.person_lines(shown)
     if isinstance(shown, Scene):
         return overview.scene_lines(shown)
+    if isinstance(shown, Contacts):
+        return overview.contact_lines(shown)
     own = getattr(shown, "_notebook_lines", None)
     return own() if own is not None else []
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.short_repr import short_repr
 from halfphysics.errors import InputError
 from halfphysics.motion.adapted_hold import AdaptedHold
 from halfphysics.motion.skeleton import JOINT_INDEX, N_JOINTS, PARENTS
@@ -76,6 +77,8 @@ class HeldReport:
     end_away: float
     lost: float | None
     late: float
+
+    __repr__ = short_repr
 
 
 def held(result: Result) -> tuple[HeldReport, ...]:

@@ -64,6 +64,23 @@ def _touched(contacts: Contacts, names: tuple[str, ...], fps: float) -> list[str
     return _few([line for _, line in sorted(found)], "thing")
 
 
+def contact_lines(contacts: Contacts) -> list[str]:
+    """Who touches what, the hardest first; nothing of contacts of no result."""
+    naming = contacts.naming
+    if naming is None:
+        return []
+    first = len(naming.names) - naming.people
+    own = np.where(contacts.person >= 0, first + contacts.person, contacts.subject)
+    found = []
+    for one, other in np.unique(np.stack([own, contacts.other]), axis=1).T:
+        rows = contacts[(own == one) & (contacts.other == other)]
+        force = float(rows.strength.max()) * naming.fps
+        frames = counted(len(np.unique(rows.frame)), "frame")
+        pair = f"{naming.names[one]} on {naming.names[other]}"
+        found.append((-force, f"{pair}: {frames}, up to {force:.0f} N"))
+    return _few([line for _, line in sorted(found)], "pair")
+
+
 def scene_lines(scene: Scene) -> list[str]:
     """The items of a scene, one a line."""
     lines = [f"{name}: static {item.shape!r}" for name, item in scene.statics.items()]

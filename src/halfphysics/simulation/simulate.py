@@ -74,7 +74,8 @@ def simulate(
     firmness = stiffness_over_time(stiffness, len(motions[0]), len(motions))
     clock = Stopwatch(logger)
     with bars.asked(progress):
-        world = build_world(bodies, checked_scene(scene), checked_settings(settings))
+        with bars.bar(1, "building the world", "world"):
+            world = build_world(bodies, checked_scene(scene), checked_settings(settings))
         clock.done("built the world of %d people and %d items", len(bodies), len(world.names))
         return follow(world, motions, firmness)
 

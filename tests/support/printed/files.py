@@ -104,7 +104,7 @@ def names(folder: Path) -> dict[str, Any]:
         "Path": Path,
         "motion": motion,
         "pose": motion[0],
-        "out": SimpleNamespace(**motion.to_smplx(), betas=np.zeros(10)),
+        "out": SimpleNamespace(**{**motion.to_smplx(), "betas": np.zeros(10)}),
         "scene": scene,
         "body": hp.Body.default(),
         "result": hp.Result.load(folder / "result.npz"),

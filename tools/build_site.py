@@ -37,7 +37,7 @@ MODULES = {
     "halfphysics.viewer.stage": "Stages",
     "halfphysics.errors": "Errors",
 }
-#: Names of `halfphysics` by what they are for; a test holds that all are here.
+#: Names of `halfphysics` by what they are for; all others come last.
 TOPICS = {
     "Motions and bodies": ["Motion", "Pose", "Body", "JOINT_NAMES", "clips", "load_sequence"],
     "Scenes": ["Scene", "Plane", "Box", "Sphere", "Capsule", "Cylinder", "Mesh"],
@@ -56,7 +56,7 @@ GIVEN = {
     "halfphysics.repair.repair": ["Repair"],
     "halfphysics.viewer.view": ["Viewer"],
 }
-#: Contents of the site: heading, pages.
+#: Contents of the site: heading, pages. Documents that are not here come last.
 CONTENTS = {
     "Start": ["tutorials/index", "first-steps", "scenarios", "gallery", "limits"],
     "How to": ["viewer", "pictures", "fix", "holds", "labels", "sweeps"],
@@ -141,7 +141,10 @@ def _of_the_site(text: str) -> str:
 
 
 def _toctrees() -> str:
-    return "\n" + "\n".join(_toctree(head, "\n".join(p)) for head, p in CONTENTS.items())
+    listed = {page for pages in CONTENTS.values() for page in pages}
+    others = sorted({path.stem for path in (ROOT / "docs").glob("*.md")} - listed)
+    contents = CONTENTS | ({"More": others} if others else {})
+    return "\n" + "\n".join(_toctree(head, "\n".join(p)) for head, p in contents.items())
 
 
 def _toctree(caption: str, pages: str) -> str:
@@ -182,10 +185,18 @@ def _title(text: str, sign: str) -> str:
 def _names_of_the_package() -> str:
     package = importlib.import_module("halfphysics")
     parts = [_title("halfphysics", "=")]
-    for topic, names in TOPICS.items():
+    for topic, names in _topics(package.__all__).items():
         parts.append(_title(topic, "-"))
         parts += [_entry("halfphysics", name, getattr(package, name)) for name in names]
     return "\n".join(parts)
+
+
+def _topics(names: list[str]) -> dict[str, list[str]]:
+    """`TOPICS`, and the names that are in none of them and no modules."""
+    listed = {name for some in TOPICS.values() for name in some}
+    modules = {name.rpartition(".")[2] for name in MODULES}
+    others = [n for n in names if n not in listed | modules and not n.startswith("__")]
+    return TOPICS | ({"More": others} if others else {})
 
 
 def _given() -> str:

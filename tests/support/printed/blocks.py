@@ -41,7 +41,8 @@ def blocks_of(path: Path) -> list[Block]:
         indent, language, inside = match.groups()
         line = text[: match.start()].count("\n") + 2
         lines = [line.removeprefix(indent) for line in inside.splitlines()]
-        found.append(Block(name, line, language.strip(), "\n".join(lines) + "\n"))
+        word = language.split()[0] if language.split() else ""
+        found.append(Block(name, line, word, "\n".join(lines) + "\n"))
     return found
 
 

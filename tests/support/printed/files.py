@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import pickle
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -103,6 +104,7 @@ def names(folder: Path) -> dict[str, Any]:
         "Path": Path,
         "motion": motion,
         "pose": motion[0],
+        "out": SimpleNamespace(**{**motion.to_smplx(), "betas": np.zeros(10)}),
         "scene": scene,
         "body": hp.Body.default(),
         "result": hp.Result.load(folder / "result.npz"),

@@ -41,7 +41,7 @@ def read_mention(arguments: Sequence[str]) -> None:
     try:
         read_command(arguments)
     except InputError as error:
-        if not str(error).startswith("Required options"):
+        if not str(error).startswith(("Required options", "missing")):
             raise
 
 

@@ -17,10 +17,16 @@ from halfphysics.viewer.playground import Playground
 def test_marks_are_runs_of_frames_with_their_largest_force():
     marks = LiveMarks(10, 10.0)
     for frame in (3, 4, 5):
-        marks.add(frame, np.array([0, 0, 2]), np.array([5.0 * frame, 1.0, 0.5]))
+        marks.add(frame, np.array([0, 0, 1]), np.array([5.0 * frame, 1.0, 0.5]))  # 1: below 1 N
     marks.add(8, np.array([0]), np.array([2.0]))
-    (row,) = marks.rows()  # kind 2 stays below 1 N
+    row, *others = marks.rows()
     assert row.label == "contact with the scene"
+    # Nobody else is there to be touched; objects may yet be.
+    assert [(other.label, other.marks) for other in others] == [
+        ("contact with an object", ()),
+        ("contact of objects", ()),
+    ]
+    assert len(LiveMarks(10, 10.0, people=2).rows()) == 4
     spans = [(m.start, m.end, m.text) for m in row.marks]
     assert spans == [(0.2, 0.5, "up to 25 N"), (0.7, 0.8, "up to 2 N")]
     # The next loop makes frame 4 anew, without a contact.

@@ -132,7 +132,8 @@ def test_it_says_what_it_does_and_nothing_overlaps(page, playground):
         assert top >= bottom - 1.0
     left, top, _, _ = page.box("text='halfphysics play'")
     free = free_part(width, height)
-    assert left >= free[0] - 45 if page.name == "desktop" else top >= free[1] - 15
+    # The sheet of a phone is unfolded here, and leaves two fifths of the scene.
+    assert left >= free[0] - 45 if page.name == "desktop" else top >= 0.3 * height
 
 
 def test_everybody_is_in_the_free_part_of_the_window(page, playground):

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from halfphysics.viewer import session as do
 from halfphysics.viewer.camera import PRESETS
 from halfphysics.viewer.coloring import RAMP
-from halfphysics.viewer.contacts import KINDS
+from halfphysics.viewer.contacts import KINDS, PERSON
 from halfphysics.viewer.live_contacts import LiveContacts
 from halfphysics.viewer.marks import LEAST, Mark, Row, kind_label
 from halfphysics.viewer.remote import Remote
@@ -33,9 +33,11 @@ class LiveMarks:
     Args:
         frames: Number of frames of the motion.
         fps: Frames per second.
+        people: Number of people; one person alone touches no other.
     """
 
-    def __init__(self, frames: int, fps: float) -> None:
+    def __init__(self, frames: int, fps: float, people: int = 1) -> None:
+        self._alone = people == 1
         self._force = np.zeros((len(KINDS), frames))
         self._fps = fps
 
@@ -48,13 +50,13 @@ class LiveMarks:
         np.maximum.at(self._force[:, frame], kind, force)
 
     def rows(self) -> list[Row]:
-        """A row for each kind that occurred."""
+        """A row for each kind, empty ones too: a bar that grows would move the scene."""
         found = []
         for kind, force in enumerate(self._force):
-            frames = np.flatnonzero(force >= LEAST)
-            if not len(frames):
+            if kind == PERSON and self._alone:
                 continue
-            runs = np.split(frames, np.flatnonzero(np.diff(frames) > 1) + 1)
+            frames = np.flatnonzero(force >= LEAST)
+            runs = np.split(frames, np.flatnonzero(np.diff(frames) > 1) + 1) if len(frames) else []
             marks = tuple(
                 Mark(
                     max(int(run[0]) - 1, 0) / self._fps,
@@ -80,8 +82,8 @@ class LiveWire:
         """Tell of the people of a new simulation; its marks begin anew."""
         playground = self._playground
         session = playground.session
-        self._marks = LiveMarks(session.frames, session.fps)
         people = [figure.name for figure in playground.stage.people]
+        self._marks = LiveMarks(session.frames, session.fps, len(people))
         self.remote.tell(
             data={
                 "title": f"{session.choice} | halfphysics play",
@@ -92,7 +94,7 @@ class LiveWire:
                 "compare": [],
                 "dropText": "A running simulation takes no files: halfphysics play FILE",
             },
-            marks=[],
+            marks=[row.document() for row in self._marks.rows()],
         )
         self.remote.tell_now(points=[[] for _ in people])
 

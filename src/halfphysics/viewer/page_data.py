@@ -79,7 +79,7 @@ def layer_data(stages: Sequence[Stage], support: bool) -> list[dict[str, Any]]:
             ("body", "Body", "person"),
             ("ghost", "Ghost", "ghost"),
             ("objects", "Objects", "object"),
-            ("scene", "Scene", "static"),
+            ("scene", "Scene", "static", "edges"),
         )
         if name in there
     ]

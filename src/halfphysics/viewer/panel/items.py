@@ -29,14 +29,14 @@ class ItemKnobs:
         self._gui, self._session, self._controls = gui, session, controls
         self._choose = choose
         self._name = ""
-        self.folder = gui.add_folder("Things")
+        self.folder = gui.add_folder("Objects")
 
     def add(self) -> list[Any]:
         """Build the controls of the present scene; returns their handles."""
         objects = movable(self._session.sequence.scene)
         names = tuple(objects)
         self.folder.visible = bool(names)
-        self.folder.label = "Things" if len(names) != 1 else f"Thing: {names[0]}"
+        self.folder.label = "Objects" if len(names) != 1 else f"Object: {names[0]}"
         if not names:
             return []
         if self._name not in names:

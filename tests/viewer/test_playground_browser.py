@@ -54,11 +54,11 @@ def page(request, playground, tmp_path_factory):
         one.page.wait_for_timeout(1000)
         if one.page.locator("[role=alert] button").count():
             one.page.locator("[role=alert] button").first.click()
-        if request.param == "phone":  # the panel is a sheet that is folded at first
-            one.page.wait_for_timeout(1000)
-            one.page.click("text='halfphysics play'")
         see_everything(playground)
         one.until(lambda: len(ball(scene(one))) > 3)
+        if request.param == "phone":  # the panel is a sheet that is folded at first
+            one.page.click("text='halfphysics play'")
+            one.until(lambda: one.box("text='halfphysics play'")[1] < 0.5 * SIZES["phone"][1])
         yield one
         # The browser's message about a wheel over viser's own dropdowns, not ours.
         assert [e for e in one.errors if "passive event listener" not in e] == []
@@ -91,8 +91,8 @@ def scene(page):
 def ball(picture):
     """Pixels (n, 2) of the orange ball, x before y."""
     red, green, blue = np.moveaxis(picture, -1, 0)
-    # Bare skin has less red, compared with its blue.
-    return np.argwhere((red > 130) & (red - blue > 100) & (red - green > 40))[:, ::-1]
+    # Skin has less orange.
+    return np.argwhere((red > 130) & (red - blue > 110) & (red - green > 40))[:, ::-1]
 
 
 def number(page, label):
@@ -142,7 +142,8 @@ def test_everybody_is_in_the_free_part_of_the_window(page, playground):
     person = np.argwhere((red - blue > 25) & (red - blue < 120))  # bare skin
     assert len(person) > 40
     assert person[:, 1].min() > 2
-    assert len(ball(picture)) > 3
+    if page.name == "desktop":  # the unfolded sheet of a phone covers the ball
+        assert len(ball(picture)) > 3
 
 
 def test_play_moves_the_body_and_pause_stops_it(page, playground):

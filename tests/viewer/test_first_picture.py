@@ -71,10 +71,11 @@ def test_the_player_waits_for_the_picture(made):
     changed = with_first_picture(page, drawings, row)
     assert f"<body>{html}" in changed
     assert '<script type="text/plain" id="player" data-p="packed">run()</script>' in changed
-    assert changed.index("packed.replaceWith(player)") < changed.index("</body>")
+    assert changed.index("waiting.replaceWith(script)") < changed.index("</body>")
 
 
 def test_another_player_starts_by_itself(made):
     drawings, row, html = made
     page = "<html><head><script>run()</script></head><body></body></html>"
-    assert with_first_picture(page, drawings, row) == page.replace("<body>", f"<body>{html}")
+    changed = with_first_picture(page, drawings, row)
+    assert changed.startswith(page.replace("<body>", f"<body>{html}").split("</body>")[0])

@@ -30,7 +30,7 @@ _SAME = 0.05
 _NARROWEST, _TRIES = 0.3, 24
 
 _STYLE = """
-#first { position: fixed; inset: 0 0 auto 0; height: calc(100% - var(--hp-bar, 46px)); z-index: 4;
+#first { position: fixed; inset: 0 0 auto 0; height: calc(100% - var(--hp-bar, 67px)); z-index: 4;
   overflow: hidden; pointer-events: none; transition: opacity 0.25s; }
 #first img { position: absolute; height: 100%; left: 50%; transform: translateX(-50%); }
 """
@@ -57,20 +57,26 @@ _SCRIPT = """
   look();
 })();
 """
-# viser's player: one script, which unpacks itself. It waits until the picture has been painted; in
-# a tab in the background nothing is painted, and it starts after a moment.
+# viser's player is one script, which unpacks itself. It and our script wait until the picture has
+# been painted; in a tab in the background nothing is painted, and they start after a moment.
 _PLAYER, _WAITING = "<script data-p=", '<script type="text/plain" id="player" data-p='
+#: The tag of a script that waits for the picture; it runs before viser's player.
+WAITING = '<script type="text/plain" class="waiting">'
 _START = """
 <script>(() => {
   let begun = false;
   const start = () => {
     if (begun) return;
     begun = true;
-    const packed = document.getElementById("player");
-    const player = document.createElement("script");
-    Object.assign(player.dataset, packed.dataset);
-    player.textContent = packed.textContent;
-    packed.replaceWith(player);
+    for (const waiting of document.querySelectorAll("script.waiting")) run(waiting);
+    const player = document.getElementById("player");
+    if (player) run(player);
+  };
+  const run = (waiting) => {
+    const script = document.createElement("script");
+    Object.assign(script.dataset, waiting.dataset);
+    script.textContent = waiting.textContent;
+    waiting.replaceWith(script);
   };
   requestAnimationFrame(() => requestAnimationFrame(start));
   setTimeout(start, 300);
@@ -87,9 +93,8 @@ def with_first_picture(page: str, drawings: Sequence[Drawing], row: Arrangement)
         row: Their arrangement; its `first` camera is the page's.
     """
     page = page.replace("<body>", f"<body>{first_picture(drawings, row)}", 1)
-    if page.count(_PLAYER) != 1:
-        return page  # another version of viser: its player starts by itself
-    page = page.replace(_PLAYER, _WAITING, 1)
+    if page.count(_PLAYER) == 1:  # in another version of viser its player starts by itself
+        page = page.replace(_PLAYER, _WAITING, 1)
     return page.replace("</body>", f"{_START}</body>", 1)
 
 

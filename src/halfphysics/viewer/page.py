@@ -15,7 +15,7 @@ from halfphysics.render.result_meshes import Drawing
 from halfphysics.viewer.arrange import Arrangement, arrange
 from halfphysics.viewer.comparison import References, has_reference
 from halfphysics.viewer.contacts import ContactNodes
-from halfphysics.viewer.first_picture import with_first_picture
+from halfphysics.viewer.first_picture import WAITING, with_first_picture
 from halfphysics.viewer.layers import show_support
 from halfphysics.viewer.lights import Lights
 from halfphysics.viewer.motions import as_result
@@ -118,7 +118,8 @@ def save_page(
         }
         page = first.replace("<title>Viser</title>", f"<title>{html.escape(title)}</title>", 1)
         page = page.replace("</head>", f"<style>{style()}</style>{_DARK}</head>", 1)
-        page = page.replace("<head>", f"<head>{page_head(data)}", 1)
+        waiting = page_head(data).replace("<script>", WAITING, 1)
+        page = page.replace("<body>", f"<body>{waiting}", 1)
         page = with_first_picture(page, drawings, row)
         file.write(page.encode("utf-8"))
     return Path(path)

@@ -25,7 +25,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 #: What is tested by itself, below tests: what a wheel can get wrong (the compiled modules, the data
-#: files, paths and processes of the system, the entry points), in a minute or two.
+#: files, paths and processes of the system, the entry points), in a few minutes.
 QUICK = (
     "assets", "base", "body", "motion", "mujoco", "native", "render", "results", "scene",
     "cli/test_cli.py", "simulation/test_objects.py", "simulation/test_simulate_many.py", "formats/test_loading.py",

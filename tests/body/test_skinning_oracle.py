@@ -89,6 +89,7 @@ class Samples:
 def test_vertices_and_joints_equal_body_models(
     model_file: Path, joints_in_double: bool, tolerance: float
 ) -> None:
+    pytest.importorskip("body_models", reason="of the extra test")
     from body_models.smplx.numpy import SMPLX
 
     oracle = SMPLX(model_path=model_file, flat_hand_mean=True)

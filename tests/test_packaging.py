@@ -20,7 +20,7 @@ MODULES = {"pillow": "PIL", "pyyaml": "yaml", "usd-core": "pxr", "imageio-ffmpeg
 #: Names of the same on conda-forge, where they differ.
 CONDA = {"mujoco": "mujoco-python"}
 #: Modules of distributions that our dependencies themselves need, and hand their objects out of.
-BROUGHT = {"msgspec", "rich"}
+BROUGHT = {"msgspec", "rich", "zstandard"}
 #: Done without where they are not: whoever passes a tensor has the library that made it.
 IF_THERE = {"torch", "jax", "pandas", "polars", "xarray", "IPython"}
 

@@ -23,7 +23,7 @@ from support.printed.files import names, write_carry, write_files
 from support.printed.shell import READ_ONLY, lines_of, read_command, read_mention, run_line
 
 #: Languages of blocks: how each is held.
-LANGUAGES = {"python", "sh", "yaml", "text", "math", "bibtex"}
+LANGUAGES = {"python", "sh", "yaml", "text", "math", "bibtex", "bat"}
 #: Lines that are not run, and why. Each must still be printed somewhere.
 NOT_RUN = {
     "ssh -L 8080:127.0.0.1:8080 user@machine        # then open http://127.0.0.1:8080 at home": (

@@ -14,6 +14,7 @@ from halfphysics.errors import InputError
 from support.paths import ROOT
 from support.printed.installed import packages_of
 
+PROJECT = "halfphysics"
 #: Commands that are read to the last option, and not run.
 READ_ONLY = {
     "bench": "takes minutes; tests/bench runs its cases",
@@ -101,6 +102,9 @@ def _python(arguments: Sequence[str]) -> None:
     """A script of the repository, or a module of its tests: it must be there."""
     if arguments[0] == "-m":
         name = arguments[1].replace(".", "/")
+        if arguments[1] == "pip":
+            _pip(arguments[2:])
+            return
         if arguments[1] == "pytest":
             _pytest(arguments[2:])
             return
@@ -108,6 +112,19 @@ def _python(arguments: Sequence[str]) -> None:
         assert any(place.exists() for place in places), arguments[1]
     else:
         assert (ROOT / arguments[0]).is_file(), arguments[0]
+
+
+def _uvx(arguments: Sequence[str]) -> None:
+    """A command of the package as it will be published: read, not run."""
+    assert arguments[0] == PROJECT
+    read_command(arguments[1:])
+
+
+def _docker(arguments: Sequence[str]) -> None:
+    """What is built has its recipe; the command that runs inside is read."""
+    assert (ROOT / "Dockerfile").is_file()
+    if arguments[0] == "run":
+        _uvx(arguments[arguments.index(PROJECT) :])
 
 
 def _script(name: str) -> Callable[[Sequence[str]], None]:
@@ -124,6 +141,8 @@ _PROGRAMS: dict[str, Callable[[Sequence[str]], None]] = {
     "./run": _run_script,
     "pip": _pip,
     "python": _python,
+    "uvx": _uvx,
+    "docker": _docker,
     "tools/test_native.sh": _script("tools/test_native.sh"),
     "tools/sanitize.sh": _script("tools/sanitize.sh"),
     "tools/build_inplace.sh": _script("tools/build_inplace.sh"),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -21,9 +23,10 @@ DRIVES = {"drive_time": {}, "paper": {"drive_time": None, "stiffness": 1.0}}
 ROUNDING = 1e-9
 #: Largest depth half a second after the start [m].
 LOOSE = 1e-3
-#: Resolving overlaps at 0.5 m/s turns people about their joints: the largest speed [m/s]. Measured:
-#: 3.8 (crossed arms); where the solve of self-contact ended too early, 13.
-FLUNG = 4.5
+#: Resolving overlaps at 0.5 m/s turns people about their joints: the largest speed [m/s] in the
+#: median of five starts 1 nm apart, and in any. Crossed arms, 22 such starts: 2.9 in the median and
+#: up to 8.9 (rows along chains: 3.8 and 7.8); where the solve of self-contact ended too early, 13.
+FLUNG, FLUNG_EVER = 4.5, 11.0
 #: "Unchanged": joints followed exactly [m, rad], and with Algorithm 1, where torques push
 #: the whole person, the legs' deviation by the arms' reaction [rad].
 EXACT, REACTION = 1e-9, np.radians(1.0)
@@ -113,13 +116,16 @@ def test_who_leaves_themselves_is_not_flung(name, contact):
     """Targets stand still: the centres of all pieces' boxes, fingers' too, stay slow."""
     key = getattr(st, name)(BODY)
     motion = st.between([key, key], [16])
-    _, frames, simulator = st.run(motion, BODY, settings(contact, record="substeps"))
-    pieces = st.SelfJudge(simulator).pieces
-    poses = np.concatenate([f.substeps for f in frames])
-    boxes = [pieces.at(q[None]) for q in poses]
-    middles = np.array([(b.low[0] + b.high[0]) / 2 for b in boxes])
-    speed = np.linalg.norm(np.diff(middles, axis=0), axis=-1) * 240
-    assert speed.max() < FLUNG
+    fastest = []
+    for k in range(5):
+        moved = replace(motion, translation=motion.translation + 1e-9 * k)
+        _, frames, simulator = st.run(moved, BODY, settings(contact, record="substeps"))
+        pieces = st.SelfJudge(simulator).pieces
+        boxes = [pieces.at(q[None]) for f in frames for q in f.substeps]
+        middles = np.array([(b.low[0] + b.high[0]) / 2 for b in boxes])
+        fastest.append(240 * np.linalg.norm(np.diff(middles, axis=0), axis=-1).max())
+    assert np.median(fastest) < FLUNG
+    assert max(fastest) < FLUNG_EVER
 
 
 @pytest.mark.parametrize("contact", CONTACTS)

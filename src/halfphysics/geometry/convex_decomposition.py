@@ -37,7 +37,7 @@ WARN_MM = 5.0
 #: its longest extent.
 _FULL, _SEAMS = 1.03, 0.02
 #: A change of how pieces are made or measured: kept ones of another number are not used.
-_VERSION = 7
+_VERSION = 8
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.errors import InputError, MissingDependencyError
+from halfphysics.geometry.box_frame import box_frame
 from halfphysics.geometry.mesh import Mesh
 from halfphysics.geometry.piece_error import Hull, distance_to_union
 from halfphysics.geometry.remesh import cell_for, remeshed
@@ -60,6 +61,16 @@ def pieces_of(solid: Mesh, threshold: float, most: int) -> list[Mesh]:
     except ImportError as error:
         raise MissingDependencyError(f"cutting a mesh into pieces needs coacd: {MEND}") from error
     coacd.set_log_level("error")
+    frame = box_frame(solid)
+    if frame is None:
+        return _best(coacd, solid, threshold, most)
+    turned = Mesh(solid.vertices @ frame, solid.faces)
+    found = _best(coacd, turned, threshold, most)
+    return [Mesh(piece.vertices @ frame.T, piece.faces).hull for piece in found]
+
+
+def _best(coacd: object, solid: Mesh, threshold: float, most: int) -> list[Mesh]:
+    """Pieces of a solid in its own frame: those of the surface that serves best."""
     best, least = [solid.hull], math.inf
     for surface in _surfaces(solid, threshold):
         pieces = _cut(coacd, surface, threshold, most, clean=surface is not solid)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import errno
+import os
+
 import pytest
 
 from halfphysics.errors import InputError
@@ -29,11 +32,32 @@ def walk(tmp_path_factory):
 
 @pytest.mark.parametrize("name", ["walk.npz", "../../walk.npz", "C:\\clips\\walk.npz"])
 def test_a_motion_is_read_whatever_folder_its_name_has(dropped, walk, name):
-    result = dropped.read(name, walk)
-    assert len(result) == 8
-    assert is_untouched(result)
+    drawing = dropped.read(name, walk)
+    assert len(drawing) == 8
+    assert is_untouched(drawing.result)
     (file,) = dropped._folder.glob("*/*")
     assert file.name == "walk.npz"
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["..", ".", "", "a/..", "w\0alk.npz", 'C:w<>:"|?*alk.npz', "w" * 300 + ".npz", "ü" * 300],
+)
+def test_a_name_that_no_file_may_have_is_made_one(dropped, walk, name):
+    assert len(dropped.read(name, walk)) == 8
+    (file,) = dropped._folder.glob("*/*")
+    assert not set(file.name) & set('\0<>:"|?*')
+    assert len(file.name.encode()) <= 255
+    assert file.suffix in ("", ".npz")
+
+
+def test_a_disk_without_room_is_said(dropped, walk, monkeypatch):
+    def full(path, content):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(module.Path, "write_bytes", full)
+    with pytest.raises(InputError, match=r"^walk\.npz: cannot be kept: No space left"):
+        dropped.read("walk.npz", walk)
 
 
 def test_what_is_no_motion_is_said_in_one_line_with_its_name(dropped, walk):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from types import SimpleNamespace
 
 import pytest
@@ -33,9 +34,20 @@ def wire():
 
 def test_commands_come_with_their_browser_and_all_else_is_ignored(wire):
     remote, _, heard = wire
-    for text in ('{"do": "seek", "to": 1.5}', "", "{", "[]", '{"do": 3}', '{"to": 1}', '"do"'):
+    for text in (
+        '{"do": "seek", "to": 1.5}',
+        "",
+        "{",
+        "[]",
+        '{"do": 3}',
+        '{"to": 1}',
+        '"do"',
+        "[" * 100_000,
+    ):
         remote.obey(text, "client")
     assert heard == [("seek", 1.5, "client")]
+    remote.obey(f'{{"do": "step", "to": 1{"0" * 400}}}', "client")  # as a float: an overflow
+    assert heard[1:] == [("step", math.inf, "client")]
 
 
 def test_commands_are_heard_from_browsers_only(wire):

@@ -13,6 +13,7 @@ from urllib.request import ProxyHandler, build_opener
 
 import numpy as np
 import pytest
+import trimesh
 
 import halfphysics as hp
 from halfphysics.errors import FileError, InputError
@@ -244,3 +245,25 @@ def test_a_short_and_a_slow_result_keep_time_together():
 )
 def test_the_slider_ends_with_a_whole_step_at_the_last_frame_or_just_after(duration, end):
     assert slider_end(duration) == end
+
+
+def test_a_dropped_result_whose_mesh_is_damaged_leaves_the_scene_as_it_is(tmp_path):
+    mesh = tmp_path / "crate.obj"
+    trimesh.creation.box((0.4, 0.4, 0.4)).export(mesh)
+    scene = hp.Scene()
+    scene.add_static("crate", mesh, position=(3.0, 0.0, 0.2))
+    hp.simulate(along_x(1.0, 3, 0.0, z=1.2), scene).save(tmp_path / "out.npz")
+    mesh.write_text("nothing")
+    done = threading.Event()
+    with Viewer([small_result()], port=0) as viewer:
+        before = viewer.stages
+
+        def drop():
+            viewer.take("out.npz", (tmp_path / "out.npz").read_bytes())
+            done.set()
+
+        viewer.do(drop)
+        done.wait(10.0)
+        assert viewer._failure is None
+        assert viewer.controls.remote._told["say"].startswith("out.npz, statics.crate.mesh: ")
+        assert viewer.stages is before

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import os
+import re
 import shutil
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from halfphysics.errors import HalfPhysicsError, InputError
+from halfphysics.render.result_meshes import Drawing
 from halfphysics.viewer.motions import open_result
-
-if TYPE_CHECKING:
-    from halfphysics.results.result import Result
 
 #: Largest file [bytes]; the page refuses larger ones, too.
 LIMIT = 256 * 2**20
+#: Letters that are kept of a name, from its end: no system's files have names of over 255 bytes.
+_LETTERS = 60
+#: What a file's name cannot have on some system.
+_REFUSED = re.compile(r'[\x00-\x1f\x7f<>:"|?*]')
 
 
 class Dropped:
@@ -24,18 +27,18 @@ class Dropped:
         self._folder: Path | None = None
         self._count = 0
 
-    def read(self, name: str, content: bytes) -> Result:
-        """The result or motion in a file.
+    def read(self, name: str, content: bytes) -> Drawing:
+        """The result or motion in a file, with the meshes that it names.
 
         Args:
             name: The name that the file had; only its last part counts.
             content: Its bytes.
 
         Raises:
-            InputError: It is too large, or no result and no motion that the readers take; the
-                message has the name.
+            InputError: It is too large, cannot be kept, or is no result and no motion that the
+                readers take; the message has the name.
         """
-        plain = Path(name.replace("\\", "/")).name or "file"
+        plain = plain_name(name)
         if len(content) > LIMIT:
             raise InputError(
                 f"{plain}: {len(content) / 2**20:.0f} MB, expected up to {LIMIT / 2**20:.0f} MB. "
@@ -45,20 +48,31 @@ class Dropped:
             self._folder = Path(tempfile.mkdtemp(prefix="halfphysics-dropped-"))
         self._count += 1
         folder = self._folder / str(self._count)
-        folder.mkdir()
         path = folder / plain
-        path.write_bytes(content)
         try:
-            return open_result(path)
+            folder.mkdir()
+            path.write_bytes(content)
+            return Drawing(open_result(path))
+        except OSError as error:
+            shutil.rmtree(folder, ignore_errors=True)
+            raise InputError(f"{plain}: cannot be kept: {error.strerror or error}") from None
         except HalfPhysicsError as error:
             shutil.rmtree(folder, ignore_errors=True)
-            raise InputError(_shortened(str(error).replace(f"{folder}/", ""))) from None
+            message = str(error).replace(f"{folder}{os.sep}", "")
+            raise InputError(_shortened(message)) from None
 
     def close(self) -> None:
         """Remove the files."""
         if self._folder is not None:
             shutil.rmtree(self._folder, ignore_errors=True)
             self._folder = None
+
+
+def plain_name(name: str) -> str:
+    """The last part of a name that a browser sent, as a file of any system may be called."""
+    last = name.replace("\\", "/").rpartition("/")[2]
+    plain = _REFUSED.sub("_", last)[-_LETTERS:]
+    return plain if plain.strip(". ") else "file"
 
 
 def _shortened(message: str) -> str:

@@ -46,8 +46,8 @@ class Remote:
     def obey(self, text: str, client: Any) -> None:
         """Execute a command of a browser; what is no command is ignored."""
         try:
-            command = json.loads(text)
-        except ValueError:
+            command = json.loads(text, parse_int=float)  # of any length: inf
+        except (ValueError, RecursionError):
             return
         if isinstance(command, dict) and isinstance(command.get("do"), str):
             self._act(command["do"], command.get("to"), client)

@@ -84,11 +84,10 @@ class Viewer(Served):
         self._dropped = Dropped()
         super().__init__(title, host, port)
         with self._starting():
-            self._set_up(shown)
+            self._set_up([Drawing(result) for result in shown])
 
-    def _set_up(self, results: Sequence[Result]) -> None:
+    def _set_up(self, drawings: Sequence[Drawing]) -> None:
         """Build scene and panel of these results, with the present labels."""
-        drawings = [Drawing(result) for result in results]
         self.timeline = Timeline(*((len(d), d.result.fps) for d in drawings))
         room = _OVER if len(drawings) > 1 else 0.0
         row = arrange(drawings, WINDOW, headroom=room)
@@ -125,11 +124,11 @@ class Viewer(Served):
             if len(self.stages) >= MOST:
                 raise InputError(f"{name}: {MOST} results are shown already, no more fit")
             remote.say(f"Reading {name} ...")
-            result = self._dropped.read(name, content)
+            drawing = self._dropped.read(name, content)
         except HalfPhysicsError as error:
             remote.say(str(error))
             return
-        results = [*(stage.drawing.result for stage in self.stages), result]
+        drawings = [*(stage.drawing for stage in self.stages), drawing]
         first = self.labels if len(self.labels) > 1 or self._named else (_FIRST,)
         self.labels = (*first, Path(name).stem)
         self._loads += 1
@@ -139,7 +138,7 @@ class Viewer(Served):
             time.sleep(0.01)
         self.server.scene.reset()
         self.server.gui.reset()
-        self._set_up(results)
+        self._set_up(drawings)
 
     def compare(self, on: bool) -> None:
         """Send the poses of the references, which are drawn in one half of a picture, or none."""

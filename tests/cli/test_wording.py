@@ -24,6 +24,7 @@ PYTHON_ONLY = {
     "labels/": "functions that no command calls with values of its own",
     "metrics/sequences.py": "reports of the caller",
     "mujoco/": "a world of the caller",
+    "results/dataset.py": "Result.to_xarray",
     "results/result.py": "a person that was taken out of its result",
     "simulation/holding.py": "Simulator.attach",
     "simulation/live_edits.py": "changes of a running Simulator",
@@ -34,7 +35,6 @@ PYTHON_ONLY = {
 NO_MESSAGES = {
     "bench/": "scripts",
     "cli/wording.py": "the table itself",
-    "viewer/page_head.py": "scripts of the page",
     "sweep/store/card_page.py": "the page of a data set, which shows how Python reads it",
 }
 

@@ -109,10 +109,10 @@ def _outside(message: str, pattern: re.Pattern[str], text: Any) -> str:
     def replaced(found: re.Match[str]) -> str:
         if found["hit"] is None:
             return found[0]
-        inner = pattern.fullmatch(found["hit"])
-        if inner is None:  # it looks at what is around it
-            inner = pattern.match(message, found.start())
-        assert inner is not None
+        # A pattern may look at what is around it.
+        inner = pattern.fullmatch(found["hit"]) or pattern.match(message, found.start())
+        if inner is None:
+            return found[0]
         return text(inner) if callable(text) else inner.expand(text)
 
     return given.sub(replaced, message)
@@ -284,6 +284,7 @@ _PHRASES = _compiled(
         r"\. Motion\.load reads the motion on top": "",
         r"; leave more room, or see Result\.lost_time for the frames": "; leave more room",
         r"such as hp\.Result\.load\(path\)": "such as halfphysics simulate --out writes",
+        r", or a Motion, such as hp\.Motion\.load\(path\)": ", or any motion file",
         r", by halfphysics\.export": "",
         r"Motions alone are written by Motion\.save": "halfphysics convert writes motions alone",
         r", or a name of halfphysics\.JOINT_NAMES": ", or the name of a joint, such as left_knee",

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from halfphysics.base.optional_package import optional
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS
+from halfphysics.results.naming import JOINT_COLUMNS, NAME_COLUMNS, Naming
 
 if TYPE_CHECKING:
     from halfphysics.motion.motion import Motion
@@ -47,9 +48,10 @@ def to_dataset(result: Result, *, joints: bool, vertices: bool) -> Any:
         f"articulation_{name.replace('/', '.')}": (("time", "wxyz")[: v.ndim], v, {})
         for name, v in result.joints.items()
     }
+    naming = Naming(result.names, len(result.people), result.fps)
     tables = {"contact": result.contacts, "inside": result.inside, "breach": result.breaches}
     for dimension, table in tables.items():
-        data |= _rows(table, dimension)
+        data |= _rows(table, naming, dimension)
     if result.substeps is not None:
         data |= _motions(result.substeps.motions, "substep_", "substep")
         data |= _objects(result.substeps.objects, "substep_", "substep")
@@ -144,17 +146,13 @@ def _objects(tracks: Mapping[str, ObjectTrack], prefix: str, time: str) -> Varia
     }
 
 
-def _rows(table: Table, dimension: str) -> Variables:
+def _rows(table: Table, naming: Naming, dimension: str) -> Variables:
     """The columns of a table; indices of names as the names, "" for none."""
     found: Variables = {}
-    naming = table.naming
-    assert naming is not None  # it is of a result
     names = {
         "person": naming.persons,
-        "part": JOINT_NAMES,
-        "other_part": JOINT_NAMES,
-        "other": naming.names,
-        "subject": naming.names,
+        **dict.fromkeys(JOINT_COLUMNS, JOINT_NAMES),
+        **dict.fromkeys(NAME_COLUMNS, naming.names),
     }
     for column in table.columns():
         values = getattr(table, column)

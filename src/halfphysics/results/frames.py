@@ -17,13 +17,11 @@ from halfphysics.base.optional_package import optional
 from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_NAMES
+from halfphysics.results.naming import JOINT_COLUMNS, NAME_COLUMNS, Naming
 
 if TYPE_CHECKING:
-    from halfphysics.results.naming import Naming
     from halfphysics.results.table import Table
 
-#: Columns that are indices into `JOINT_NAMES`, and into `Result.names`.
-_JOINTS, _NAMES = ("part", "other_part"), ("other", "subject")
 #: Endings of columns' names for units that names cannot hold.
 _ENDINGS = {"N s": "Ns"}
 
@@ -50,9 +48,9 @@ def _columns(table: Table) -> Iterator[Column]:
         if name in table.VECTORS:
             for axis, letter in enumerate("xyz"):
                 yield f"{name}_{letter}{ending}", values[:, axis], None
-        elif name in _JOINTS:
+        elif name in JOINT_COLUMNS:
             yield name, values, JOINT_NAMES
-        elif naming is not None and name in _NAMES:
+        elif naming is not None and name in NAME_COLUMNS:
             yield name, values, naming.names
         elif naming is not None and name == "person":
             yield name, values, naming.persons

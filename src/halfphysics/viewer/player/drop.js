@@ -63,7 +63,8 @@ class PageDrops {
   async take(file) {
     if (tooLarge(file)) return;
     try {
-      if (/\.html?$/i.test(file.name)) return await this.openPage(file);
+      // It would run here, with the rights of this page's address: the browser opens it by itself.
+      if (/\.html?$/i.test(file.name)) throw new NpzError("a page is opened in a tab of its own");
       if (!/\.npz$/i.test(file.name)) throw new NpzError("it is no .npz");
       const found = await peopleIn(await npz(file));
       const body = await this.body();
@@ -74,8 +75,8 @@ class PageDrops {
     } catch (error) {
       if (!(error instanceof NpzError)) console.warn(error);
       const why = error instanceof NpzError ? error.message : "it cannot be read";
-      say(`${file.name} is not shown: ${why}. A page takes results and AMASS-like motions (.npz) and ` +
-        "other pages (.html); for all else: halfphysics view FILE", 12);
+      say(`${file.name} is not shown: ${why}. A page takes results and AMASS-like motions (.npz); ` +
+        "for all else: halfphysics view FILE", 12);
     }
   }
 
@@ -88,12 +89,6 @@ class PageDrops {
     while (near()) person.offset = add(person.offset, [ASIDE, 0, 0]);
     this.people.push(person);
     return person.offset[0] > 0;
-  }
-
-  async openPage(file) {
-    const text = await file.text();
-    if (!text.includes("__VISER_EMBED_DATA__")) throw new NpzError("it is no page of halfphysics");
-    location.assign(URL.createObjectURL(new Blob([text], { type: "text/html" })));
   }
 
   async body() {

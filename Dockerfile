@@ -2,7 +2,7 @@
 #
 #   docker build -t halfphysics .
 #   docker run --rm -v "$PWD:/work" halfphysics demo
-#   docker run --rm -v "$PWD:/work" -p 8080:8080 halfphysics view out/demo/result.npz --host 0.0.0.0
+#   docker run --rm -v "$PWD:/work" -p 127.0.0.1:8080:8080 halfphysics view out/demo/result.npz --host 0.0.0.0
 FROM python:3.13-slim AS build
 RUN apt-get update && apt-get install -y --no-install-recommends g++
 COPY . /src

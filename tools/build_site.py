@@ -58,8 +58,8 @@ GIVEN = {
 }
 #: Contents of the site: heading, pages. Documents that are not here come last.
 CONTENTS = {
-    "Start": ["tutorials/index", "first-steps", "scenarios", "gallery", "limits"],
-    "How to": ["viewer", "pictures", "fix", "holds", "labels", "sweeps"],
+    "Start": ["install", "tutorials/index", "first-steps", "scenarios", "gallery", "limits"],
+    "How to": ["viewer", "pictures", "python", "fix", "holds", "labels", "sweeps"],
     "Look up": [
         *("reference/index", "reference/commands", "formats", "scene-files", "result-files"),
         "metrics",

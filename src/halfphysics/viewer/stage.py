@@ -35,7 +35,7 @@ Array = NDArray[np.float64]
 _GROUND, _PLANE, _CELL, _SECTION, _SHADOW = (118, 126, 138), 0.24, 0.3, 0.6, 0.45
 # A mesh of more faces is shaded flat: finding its sharp edges would take seconds.
 _MOST_SPLIT = 60_000
-# It fades out at this distance from the camera, for a story of no extent [m].
+# The ground fades out at this distance from the camera, for a story of no extent [m].
 _HORIZON = 26.0
 _KINDS = ("person", "ghost")
 

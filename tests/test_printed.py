@@ -54,7 +54,7 @@ def prepared(tmp_path_factory) -> Path:
 
 @pytest.fixture
 def folder(prepared, tmp_path, monkeypatch) -> Path:
-    """An own copy of them (hard links), as the current folder."""
+    """An own copy of them, as the current folder."""
     for path in prepared.rglob("*"):
         target = tmp_path / path.relative_to(prepared)
         if path.is_dir():

@@ -44,3 +44,11 @@ def test_a_motion_is_rendered(files, tmp_path, capsys):
         assert run("render", walk, tmp_path / name, *arguments) == 0
         assert (tmp_path / name).stat().st_size > 1000
     assert "<title>walk</title>" in (tmp_path / "page.html").read_text(encoding="utf-8")
+
+
+def test_options_of_a_motion_and_of_its_film_have_names_of_their_own(files, tmp_path, capsys):
+    walk, _ = files
+    of_motion = ["--frames", "2:7", "--motion-fps", "30"]
+    assert run("render", walk, tmp_path / "last.png", "--frame", "4", *of_motion) == 0
+    assert run("render", walk, tmp_path / "beyond.png", "--frame", "5", *of_motion) == 2
+    assert "5 frames" in capsys.readouterr().err

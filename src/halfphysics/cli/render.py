@@ -27,6 +27,14 @@ halfphysics render result.npz still.png --frame 120 --size 1280x720"""
 
 
 @dataclass(frozen=True, kw_only=True)
+class SourceOptions(MotionOptions):
+    """What a motion file cannot say itself."""
+
+    fps: Annotated[float | None, tyro.conf.arg(name="motion-fps")] = None
+    """Frames per second of the motion file, where it does not say; --fps is that of the film."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Command:
     """Show results or motions: a page to send (.html), a film (.mp4, .webm, .gif) or a picture
     (.png).
@@ -50,7 +58,7 @@ class Command:
         default_factory=FilmOptions
     )
     person: tyro.conf.OmitArgPrefixes[BodyOptions] = field(default_factory=BodyOptions)
-    motion: MotionOptions = field(default_factory=MotionOptions)
+    motion: tyro.conf.OmitArgPrefixes[SourceOptions] = field(default_factory=SourceOptions)
 
     def run(self) -> None:
         """Write the page, film or picture."""

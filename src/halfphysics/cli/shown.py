@@ -30,7 +30,7 @@ def opened(files: Sequence[Path], motion: MotionOptions, person: BodyOptions) ->
     from halfphysics.formats.results.result_file import is_result
     from halfphysics.viewer.motions import open_result
 
-    of_motion = motion != MotionOptions() or person != BodyOptions()
+    of_motion = motion != type(motion)() or person != BodyOptions()
     if of_motion and all(map(is_result, files)):
         raise InputError(
             f"{files[0]}: a result has its own bodies and frames. The options for bodies and "

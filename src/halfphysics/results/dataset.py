@@ -38,7 +38,11 @@ def to_dataset(result: Result, *, joints: bool, vertices: bool) -> Any:
     """The work behind `Result.to_xarray`."""
     xarray = optional("xarray", "datasets", "frames")
     data: Variables = {
-        "clearance": (("time",), result.clearance, _unit("m", "smallest distance to statics")),
+        "clearance": (
+            ("time",),
+            result.clearance,
+            _unit("m", "minimum distance to static geometry"),
+        ),
         "lost_time": (("time",), result.lost_time, _unit("s", "time by which steps were cut")),
     }
     data |= _people(result)

@@ -26,6 +26,8 @@ SIZE = (1080, 540)
 _QUALITY = 82  # of the JPEG
 # A camera moved by less than this shows the same [m]: a few pixels, as the people are metres away.
 _SAME = 0.05
+# The scene is drawn once a frame has so many triangles: the ground has two, a person some 27,000.
+_DRAWN = 1000
 # Narrower windows, as width over height, are tried down to this.
 _NARROWEST, _TRIES = 0.3, 24
 
@@ -110,7 +112,7 @@ def first_picture(drawings: Sequence[Drawing], row: Arrangement) -> str:
     script = _SCRIPT % {
         "least": round(_narrowest(row), 3),
         "most": round(SIZE[0] / SIZE[1], 3),
-        "triangles": 1000,
+        "triangles": _DRAWN,
     }
     return (
         f'<style>{_STYLE}</style><div id="first" aria-hidden="true"><picture>{dark}'

@@ -69,7 +69,8 @@ def _directions(normals: Array, areas: Array) -> Array:
     keys, group = np.unique(flat * np.sign(lead)[:, None], axis=0, return_inverse=True)
     weight = np.bincount(group.ravel(), areas, len(keys))
     tried = keys[np.argsort(-weight, kind="stable")[:_TRIED]]
-    return tried / np.linalg.norm(tried, axis=1, keepdims=True)
+    result: Array = tried / np.linalg.norm(tried, axis=1, keepdims=True)
+    return result
 
 
 def _heaviest(normals: Array, areas: Array) -> Array | None:
@@ -82,4 +83,5 @@ def _heaviest(normals: Array, areas: Array) -> Array | None:
     best = int((near * areas[:, None]).sum(axis=0).argmax())
     signs = np.sign(along[near[:, best], best])
     middle = (normals[near[:, best]] * (signs * areas[near[:, best]])[:, None]).sum(axis=0)
-    return middle / np.linalg.norm(middle)
+    result: Array = middle / np.linalg.norm(middle)
+    return result

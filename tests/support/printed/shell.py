@@ -15,6 +15,8 @@ from support.paths import ROOT
 from support.printed.installed import packages_of
 
 PROJECT = "halfphysics"
+#: Modules of tools that make releases, which the document says to install.
+ELSEWHERE = {"build", "cibuildwheel"}
 #: Commands that are read to the last option, and not run.
 READ_ONLY = {
     "bench": "takes minutes; tests/bench runs its cases",
@@ -104,6 +106,8 @@ def _python(arguments: Sequence[str]) -> None:
         name = arguments[1].replace(".", "/")
         if arguments[1] == "pip":
             _pip(arguments[2:])
+            return
+        if arguments[1] in ELSEWHERE:
             return
         if arguments[1] == "pytest":
             _pytest(arguments[2:])

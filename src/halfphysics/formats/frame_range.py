@@ -45,7 +45,8 @@ def in_range(
         start, stop = (
             "" if end is None else end for end in (options.frames.start, options.frames.stop)
         )
+        held_in = f"{where}: {options.clip!r}" if options.clip else where
         raise InputError(
-            f"frames: found {start}:{stop}, but {where} has {total} frames, numbered from 0; "
+            f"frames: found {start}:{stop}, but {held_in} has {total} frames, numbered from 0; "
             "expected at least 2 of them"
         ) from None

@@ -80,7 +80,7 @@ MISTAKES = [
     ([*WALK, "--static", "box=box:1:1:1,up=y"], "scale and up are for meshes give the box its"),
     ([*WALK, "--static", "ground=box:1:1:1"], "'ground' no plane --no-ground"),
     # results and outputs
-    (["view", "walk.npz"], "walk.npz expected a result file halfphysics simulate"),
+    (["view", "walk.npy"], "walk.npy no such file In that folder"),
     (["evaluate", "walk.npz"], "walk.npz a motion alone --scene --reference"),
     (["evaluate", "walk.npz", "--json", "no/m.json"], "no does not exist"),
     (["render", "walk.npz"], "render found one file expected a result and the file to write"),

@@ -7,8 +7,8 @@ import ast
 import pytest
 
 import halfphysics as hp
-from halfphysics.cli import simulate, sweep
-from halfphysics.cli.wording import Voice, options_of, words_of
+from halfphysics.cli import render, simulate, sweep
+from halfphysics.cli.wording import Voice, options_of, voice_of, words_of
 from support.paths import ROOT
 from support.python_names import python_names
 
@@ -24,6 +24,7 @@ PYTHON_ONLY = {
     "labels/": "functions that no command calls with values of its own",
     "metrics/sequences.py": "reports of the caller",
     "mujoco/": "a world of the caller",
+    "results/dataset.py": "Result.to_xarray",
     "results/result.py": "a person that was taken out of its result",
     "simulation/holding.py": "Simulator.attach",
     "simulation/live_edits.py": "changes of a running Simulator",
@@ -34,7 +35,6 @@ PYTHON_ONLY = {
 NO_MESSAGES = {
     "bench/": "scripts",
     "cli/wording.py": "the table itself",
-    "viewer/page_head.py": "scripts of the page",
     "sweep/store/card_page.py": "the page of a data set, which shows how Python reads it",
 }
 
@@ -124,6 +124,25 @@ def test_the_same_message_as_options(python, command):
 def test_a_plan_has_keys_in_place_of_options():
     assert words_of("Say it with fps=, such as fps=30", PLAN) == "Say it with fps, such as fps: 30"
     assert words_of("Settings.stiffness is -3; expected", PLAN) == "stiffness is -3; expected"
+
+
+@pytest.mark.parametrize(
+    ("python", "command"),
+    [
+        ("Say it with fps=", "Say it with --motion.fps"),
+        ("Then say up='-y' (up='z': it is)", "Then say --motion.up=-y (--motion.up=z: it is)"),
+        ("read others with frames=(start, stop)", "read others with --motion.frames START:STOP"),
+        ("clip: found 'a', but", "--motion.clip: found 'a', but"),
+        ("adapt=False leaves hands", "--motion.no-adapt leaves hands"),
+        ("fps: found 90, but a GIF shows", "--fps: found 90, but a GIF shows"),
+        ("say motion.resample(20)", "say --to-fps 20 of halfphysics convert"),
+    ],
+)
+def test_options_of_a_group_have_its_name(python, command):
+    """`render` has options of films, `--fps`, and of motion files, `--motion.fps`."""
+    voice = voice_of(render.Command)
+    assert words_of(python, voice) == command
+    assert not voice_of(simulate.Command).groups
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ from halfphysics.cli.streams import (
     say,
     streams_for_closed_ones,
 )
-from halfphysics.cli.wording import Voice, options_of, speak_as, spoken
+from halfphysics.cli.wording import Voice, speak_as, spoken, voice_of
 from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning, InputError
 
 #: Command -> description in one line. The module of the same name in this package implements it.
@@ -130,7 +130,7 @@ def _run(arguments: list[str]) -> int:
 
     module: Any = importlib.import_module(f"{__name__}.{name}")
     if hasattr(module, "Command"):
-        speak_as(lambda: Voice(options_of(module.Command), plan=name == "sweep"))
+        speak_as(lambda: voice_of(module.Command, plan=name == "sweep"))
     if hasattr(module, "read"):
         command = module.read(f"halfphysics {name}", rest)
     else:

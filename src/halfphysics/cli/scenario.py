@@ -16,7 +16,7 @@ from halfphysics.cli.help_page import text_width
 from halfphysics.cli.options import BaselineOptions, progress
 from halfphysics.cli.outputs import Outputs
 from halfphysics.cli.parsing import Exit, parse
-from halfphysics.cli.wording import Voice, options_of, speak_as
+from halfphysics.cli.wording import speak_as, voice_of
 from halfphysics.errors import InputError
 from halfphysics.settings import Settings
 
@@ -106,7 +106,7 @@ def overview() -> str:
 def _play(prog: str, name: str, arguments: list[str]) -> Play | Exit:
     from halfphysics import scenarios
 
-    speak_as(lambda: Voice(options_of(_command(name, Settings()))))
+    speak_as(lambda: voice_of(_command(name, Settings())))
 
     def parsed(settings: Settings) -> Any:
         return parse(_command(name, settings), prog, EXAMPLES, arguments)

@@ -8,10 +8,12 @@ plain noun. Text that a user wrote stays as it is: all between quotes, and paths
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextvars import ContextVar
 from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any, get_args, get_type_hints
+
+import tyro
 
 
 @dataclass(frozen=True)
@@ -21,18 +23,23 @@ class Voice:
     Attributes:
         options: The command's own options, as Python writes them (``drive_time``).
         plan: Whether arguments are keys of a plan file, as of ``sweep``.
+        groups: Option -> the group whose name it begins with: ``--motion.up`` of ``render``.
+        twice: Options that are in such a group and outside: ``fps``, of motions and of films.
     """
 
     options: Collection[str] = field(default=())
     plan: bool = False
+    groups: Mapping[str, str] = field(default_factory=dict)
+    twice: Collection[str] = field(default=())
 
     def named(self, name: str, value: str = "") -> str:
         """An argument, with a value if it has one."""
         if self.plan:
             return f"{name}: {value}" if value else name
-        flag = name.replace("_", "-")
+        group = f"{self.groups[name]}." if name in self.groups else ""
+        flag = group + name.replace("_", "-")
         if value in ("True", "False"):
-            said = f"--{flag}" if value == "True" else f"--no-{flag}"
+            said = f"--{flag}" if value == "True" else f"--{group}no-{name.replace('_', '-')}"
         elif name in _JOINED and value:
             said = f"--{flag}={value}"  # a value may begin with a minus
         else:
@@ -56,25 +63,41 @@ def spoken(message: str) -> str:
     return words_of(message, _voice.get()())
 
 
+def voice_of(command: Any, *, plan: bool = False) -> Voice:
+    """The voice of a command, a dataclass of options; `plan` as of `Voice`."""
+    groups: dict[str, str] = {}
+    plain: set[str] = set()
+    for one, inner, prefixed in _fields_of(command):
+        names = options_of(inner) if is_dataclass(inner) else {one}
+        if is_dataclass(inner) and prefixed:
+            groups |= dict.fromkeys(names, one)
+        else:
+            plain |= names
+    return Voice(options_of(command), plan, groups, plain & groups.keys())
+
+
 def options_of(kind: Any) -> set[str]:
     """The names of a command's options, those of nested dataclasses included."""
     found: set[str] = set()
+    for name, inner, _ in _fields_of(kind):
+        found |= options_of(inner) if is_dataclass(inner) else {name}
+    return found
+
+
+def _fields_of(kind: Any) -> Iterator[tuple[str, Any, bool]]:
+    """Name and type of each field, and whether its own fields are options with its name."""
     hints = get_type_hints(kind, include_extras=True)
     for one in fields(kind):
-        inner = hints[one.name]
+        inner, marks = hints[one.name], get_args(hints[one.name])[1:]
         while get_args(inner) and not isinstance(inner, type):
             inner = get_args(inner)[0]
-        if is_dataclass(inner):
-            found |= options_of(inner)
-        else:
-            found.add(one.name)
-    return found
+        yield one.name, inner, tyro.conf.OmitArgPrefixes not in marks
 
 
 def words_of(message: str, voice: Voice) -> str:
     """A message of the package as `voice` says it."""
     for pattern, text in _PHRASES:
-        message = _outside(message, pattern, text)
+        message = _outside(message, pattern, _in_groups(text, voice))
     message = _outside(message, _MAPPING, _joined)
     message = _outside(message, _FIELD, lambda found: voice.named(_of_baseline(found[1])))
     message = _outside(message, _FLAG, lambda found: voice.named(found[1], found[2]))
@@ -85,15 +108,28 @@ def words_of(message: str, voice: Voice) -> str:
     )
     if not voice.plan:
         message = _outside(message, _BARE, lambda found: _bare(found[0], voice))
-        message = _LEADING.sub(
-            lambda found: (
-                voice.named(found[0]) if found[0] in set(voice.options) - _POSITIONAL else found[0]
-            ),
-            message,
-        )
+        message = _LEADING.sub(lambda found: _leading(found[0], voice), message)
     for pattern, text in _WORDS:
         message = _outside(message, pattern, text)
     return message
+
+
+def _leading(name: str, voice: Voice) -> str:
+    """What a message begins with: the value of an option, if it is one."""
+    if name in voice.twice:
+        return f"--{name}"
+    return voice.named(name) if name in set(voice.options) - _POSITIONAL else name
+
+
+def _in_groups(text: str, voice: Voice) -> str:
+    """Options that a phrase names, as the command has them."""
+    if not voice.groups or "halfphysics convert" in text:  # another command's
+        return text
+    return re.sub(
+        r"--([a-z]+)\b",
+        lambda found: voice.named(found[1]) if found[1] in voice.groups else found[0],
+        text,
+    )
 
 
 def _bare(name: str, voice: Voice) -> str:
@@ -284,6 +320,7 @@ _PHRASES = _compiled(
         r"\. Motion\.load reads the motion on top": "",
         r"; leave more room, or see Result\.lost_time for the frames": "; leave more room",
         r"such as hp\.Result\.load\(path\)": "such as halfphysics simulate --out writes",
+        r"a Motion, such as hp\.Motion\.load\(path\)": "a motion",
         r", by halfphysics\.export": "",
         r"Motions alone are written by Motion\.save": "halfphysics convert writes motions alone",
         r", or a name of halfphysics\.JOINT_NAMES": ", or the name of a joint, such as left_knee",

@@ -13,7 +13,7 @@ import halfphysics as hp
 from halfphysics.base import rotations as rot
 from halfphysics.base.axes import AXES, axes_of, turned
 from halfphysics.cli import main
-from halfphysics.errors import FileError, HalfPhysicsError, HalfPhysicsWarning, InputError
+from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning, InputError
 from halfphysics.formats import FORMATS, Source, identify, losses
 from halfphysics.formats.bvh.text import read_bvh
 from halfphysics.motion import skeleton

@@ -37,7 +37,11 @@ def to_dataset(result: Result, *, joints: bool, vertices: bool) -> Any:
     """The work behind `Result.to_xarray`."""
     xarray = optional("xarray", "datasets", "frames")
     data: Variables = {
-        "clearance": (("time",), result.clearance, _unit("m", "smallest distance to statics")),
+        "clearance": (
+            ("time",),
+            result.clearance,
+            _unit("m", "minimum distance to static geometry"),
+        ),
         "lost_time": (("time",), result.lost_time, _unit("s", "time by which steps were cut")),
     }
     data |= _people(result)
@@ -82,13 +86,14 @@ def _coordinates(result: Result) -> dict[str, Any]:
 
 
 def _attributes(result: Result) -> dict[str, Any]:
+    """Of the whole; lists are text, since netCDF 3 (`to_netcdf` with scipy) has none of text."""
     return {
         "description": _CONVENTIONS,
         "fps": result.fps,
-        "names": list(result.names),
+        "names": ", ".join(result.names),
         "settings": repr(result.settings),
-        "gender": [person.motion.gender for person in result.people],
-        "model": [person.motion.model for person in result.people],
+        "gender": ", ".join(person.motion.gender for person in result.people),
+        "model": ", ".join(person.motion.model for person in result.people),
     }
 
 

@@ -427,7 +427,7 @@ class Result(InNotebook, ReadOnly):
         """Charts over time, below one another, as a figure of matplotlib.
 
         Args:
-            what: Some of "clearance" (smallest distance to statics [mm]), "forces" (of contacts
+            what: Some of "clearance" (minimum distance to statics [mm]), "forces" (of contacts
                 between people and things [N]), "offsets" (of joints from the motion as recorded,
                 mean and largest [mm]) and "support" (what holds people up [% of the weight], which
                 takes seconds).

@@ -24,7 +24,7 @@ def main() -> hp.Result:
     after = hp.metrics.penetration(result.motion, body, scene)
 
     print(result.summary())
-    print(f"asked:     up to {before.rate_percent:.2f} % of the skin in things, on average")
+    print(f"reference: {before.rate_percent:.2f} % of the skin in things, on average")
     print(f"simulated: {after.rate_percent:.2f} %, deepest {after.depth_max_mm:.2f} mm")
     print(f"the body went to x = {result.motion.translation[:, 0].max():.2f} m")
 

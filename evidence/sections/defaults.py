@@ -39,7 +39,7 @@ UNSUPPORTED, RANGE = 5.0, 2.0
 _FIGURES = {
     "weight carried by nothing": ("%", UNSUPPORTED),
     "floats": ("mm", None),
-    "feet slide more than asked": ("mm/frame", None),
+    "feet slide more than the reference": ("mm/frame", None),
     "beyond a joint's range": ("°", RANGE),
     "largest force": ("N", None),
     "mean force from aside": ("N", None),

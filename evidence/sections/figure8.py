@@ -112,20 +112,20 @@ def _row(stiffness: float, found: Mapping[str, Any], limp: Any, firm: Any) -> Ro
     if stiffness == 0.0:
         less = found["more"] - firm["more"] if firm else None
         figures = [
-            Figure(name="knee bends more than asked", unit="°", ours=found["more"]),
+            Figure(name="knee bends more than the reference", unit="°", ours=found["more"]),
             at_least(BENDS, less, name="knee bends more than at lambda 1", unit="°"),
             at_most(STAYS, found["root"], name="pelvis from its place", unit="mm"),
         ]
     elif stiffness == 1.0:
         times = found["root"] / limp["root"] if limp else None
         figures = [
-            at_most(STRAIGHT, found["more"], name="knee bends more than asked", unit="°"),
+            at_most(STRAIGHT, found["more"], name="knee bends more than the reference", unit="°"),
             at_least(DISPLACED, found["root"], name="pelvis from its place", unit="mm"),
             at_least(TIMES, times, name="pelvis, of that at lambda 0"),
         ]
     else:
         figures = [
-            Figure(name="knee bends more than asked", unit="°", ours=found["more"]),
+            Figure(name="knee bends more than the reference", unit="°", ours=found["more"]),
             Figure(name="pelvis from its place", unit="mm", ours=found["root"]),
         ]
     figures.append(Figure(name="turn of the hip", unit="°", ours=found["hip"]))

@@ -194,7 +194,7 @@ def _row(
         data=" ".join([scenario, *words]),
         setting=choices.said(choice),
         figures=tuple(figures),
-        note=f"asked into: {into}" if into else "",
+        note=f"the reference goes into: {into}" if into else "",
     )
 
 

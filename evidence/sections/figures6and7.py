@@ -228,7 +228,7 @@ def _kicked(way: Way, found: Values) -> list[Figure]:
 
 def _limp(found: Values) -> list[Row]:
     ours, doll = found["ours"], found["ragdoll"]
-    drop, errors = "pelvis lower than asked", "joints from their place, MPJPE-g"
+    drop, errors = "pelvis lower than the reference", "joints from their place, MPJPE-g"
     data = f"kick_ball, from {BEFORE:g} s before the kick on, {WATCHED:g} s"
     return [
         Row(

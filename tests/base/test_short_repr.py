@@ -34,11 +34,17 @@ THINGS = {
     "Result(24 frames at 30 fps, 2 people, 4 objects, 221 contacts)": small.result,
     "PersonResult(person0: 24 frames at 30 fps, root up to 174 mm off its path)": person,
     "Contacts(221 rows in frames 1 to 23, ": lambda: small.result().contacts,
+    "Contacts(2 rows in frame 1, ": lambda: small.result().contacts[:2],
     "Contacts(none)": lambda: small.result().contacts[:0],
     "Inside(none)": lambda: small.result().inside,
     "Breaches(none)": lambda: small.result().breaches,
     "Simulator(2 people, 3 statics, 4 objects, 30 fps: running)": simulator,
     "Frame(2 people, 4 objects, ": lambda: simulator().step([m[1] for m in small.motions()]),
+    "Frame(1 person, 0 objects, 0 contacts, ": lambda: hp.Simulator(hp.Scene(), fps=30.0).reset(
+        small.motions()[0][0]
+    ),
+    "World(2 people, 3 statics, 4 objects)": lambda: simulator().world,
+    "Person(name='person0', ": lambda: simulator().world.people[0],
     "State(": lambda: simulator().get_state(),
     "Motion(24 frames at 30 fps, 0.77 s, smplx neutral, no betas)": lambda: small.motions()[0],
     "Pose(55 joints, translation (-0.30, 0.00, 0.95) m)": lambda: small.motions()[0][0],
@@ -61,6 +67,8 @@ THINGS = {
     "Verdict(": lambda: hp.metrics.judge(small.motions()[0], body()),
     "PartReport(clearance=array(24, 55), ": lambda: small.alone().parts(0),
     "Support(24 frames, ": lambda: person().support,
+    "Pressure(": lambda: person().support.pressure,
+    "Pressure(none)": lambda: person().support.pressure[:0],
     "ContactLabels(threshold_m=0.002, ": lambda: contact_labels(small.alone()),
     "NetForceReport(weight=": lambda: hp.metrics.net_force(small.alone(), 0),
     "PenetrationReport(rate_percent=": lambda: hp.metrics.penetration(

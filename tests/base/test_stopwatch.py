@@ -52,8 +52,8 @@ def everything_long(caplog, monkeypatch):
 def test_a_simulation_says_what_it_did(everything_long):
     hp.simulate(small.motions()[0], small.scene())
     *_, built, simulated = messages(everything_long, logging.INFO)
-    assert built.startswith("built the world of 1 people and 8 items in ")
-    assert simulated.startswith("simulated 23 frames of 1 people in ")
+    assert built.startswith("built the world of 1 person and 8 items in ")
+    assert simulated.startswith("simulated 23 frames of 1 person in ")
     assert simulated.endswith(" frames/s)")
 
 

@@ -223,6 +223,7 @@ def test_demo(tmp_path, capsys):
     assert asked > 30.0
     assert simulated < 2.0  # the rigid parts are clear; the skin may penetrate a little
     assert re.search(r"\d+ frames/s", out)
+    assert not re.search(r"\s-0\.0+\s", out)
     for name in files:
         assert str(tmp_path / "new" / "demo" / name) in out
 

@@ -59,7 +59,7 @@ def test_a_result_is_a_result(clip, capsys):
     [
         (["gone.npz"], "no such file"),
         (["text.txt"], "no known motion format"),
-        (["clip.npz", "--picture", "look.gif"], "expected a name in .png"),
+        (["clip.npz", "--picture", "look.gif"], "expected a name that ends in .png"),
         (["clip.npz", "--picture", "no/look.png"], "does not exist"),
     ],
 )

@@ -61,6 +61,9 @@ def test_all_is_written(result, tmp_path, capsys, monkeypatch):
         ({"pictures": "p.jpg"}, r"--pictures: found p\.jpg, .* \.png"),
         ({"film": "f.avi"}, r"--film: found f\.avi, .* \.mp4 or \.webm or \.gif"),
         ({"out": "a.png", "pictures": "a.png"}, "--out, --pictures: found one file for two"),
+        ({"out": "a.html"}, r"--out: found a\.html, .* \(\.npz\); --page writes a\.html"),
+        ({"out": "a.MP4"}, r"--out: found a\.MP4, .* --film writes"),
+        ({"out": "a.glb"}, r"--out: found a\.glb, .* halfphysics convert RESULT a\.glb"),
         ({"open": True}, "--open: shows the page in a browser; say where with --page FILE"),
     ],
 )

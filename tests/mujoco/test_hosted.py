@@ -292,6 +292,7 @@ def test_state_resumes_bit_for_bit():
     model, data, control, pose = thrown("skin")
     for _ in range(15):
         control.step(pose)
+    assert repr(control) == "Control('p', 1 geom around: running)"
     kept = control.get_state()
     size = mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_INTEGRATION)
     world = np.empty(size)

@@ -82,6 +82,17 @@ def test_dimensions_and_units(dataset):
     assert height.dims == ("time",)
     assert "z-up" in dataset.attrs["description"]
     assert dataset.attrs["fps"] == 30.0
+    assert dataset.attrs["gender"] == "neutral, neutral"
+
+
+def test_goes_into_a_netcdf_file(dataset, tmp_path):
+    """Of version 3, the one that scipy writes: it has no text in lists and no long integers."""
+    xarray = pytest.importorskip("xarray")
+    dataset.to_netcdf(tmp_path / "r.nc", engine="scipy")
+    with xarray.open_dataset(tmp_path / "r.nc", engine="scipy") as again:
+        assert again.sizes == dataset.sizes
+        for name in dataset.variables:
+            assert np.array_equal(again[name], dataset[name]), name
 
 
 def test_of_one_person_without_substeps():

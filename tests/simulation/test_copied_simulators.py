@@ -88,6 +88,21 @@ def test_a_copy_starts_anew_as_the_original_does():
     assert again.get_state().numbers == simulator.get_state().numbers
 
 
+class Noted(hp.Simulator):
+    """As a user writes one."""
+
+    def __init__(self, *given, **options):
+        super().__init__(*given, **options)
+        self.notes = ["made"]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_what_a_subclass_adds_is_in_the_copy(method):
+    again = METHODS[method](Noted(small.scene(), fps=30.0))
+    assert type(again) is Noted
+    assert again.notes == ["made"]
+
+
 def test_a_copy_before_the_first_pose():
     again = METHODS["pickle"](hp.Simulator(small.scene(), fps=60.0))
     assert again.dt == 1.0 / 60.0

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 #: Letters of a line; fields beyond are left out.
 MOST = 160
@@ -49,6 +50,12 @@ def changed_repr(self: Any) -> str:
 def counted(count: int, one: str, several: str | None = None) -> str:
     """The number with its noun: "1 person", "2 people"."""
     return f"{count:,} {one if count == 1 else several or one + 's'}"
+
+
+def frames_repr(frames: NDArray[np.int64]) -> str:
+    """The range of some frames, at least one: "frame 3", "frames 3 to 8"."""
+    first, last = frames.min(), frames.max()
+    return f"frame {first}" if first == last else f"frames {first} to {last}"
 
 
 def numbers(values: Any, digits: int = 2) -> str:

@@ -21,7 +21,7 @@ from halfphysics.errors import InputError
 EXAMPLES = """\
 halfphysics evaluate result.npz
 halfphysics evaluate walk.npz --scene room.yaml
-halfphysics evaluate mine.npz --reference asked.npz --body SMPLX_NEUTRAL.npz"""
+halfphysics evaluate mine.npz --reference recorded.npz --body SMPLX_NEUTRAL.npz"""
 
 
 @dataclass(frozen=True, kw_only=True)

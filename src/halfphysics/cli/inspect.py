@@ -59,7 +59,9 @@ class Command:
         if self.picture is not None:
             check_output(self.picture, self.file)
             if self.picture.suffix.lower() != ".png":
-                raise InputError(f"--picture: found {self.picture}, expected a name in .png")
+                raise InputError(
+                    f"--picture: found {self.picture}, expected a name that ends in .png"
+                )
         if is_result(self.file):
             self._result()
             return

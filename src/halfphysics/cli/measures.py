@@ -89,8 +89,11 @@ def _standing(result: Result, person: int) -> list[tuple[str, str, str]]:
     )
     ranges = metrics.range_violations(result, person)
 
+    def said(value: float | None, digits: int) -> str:
+        return "" if value is None else f"{round(value, digits) + 0.0:.{digits}f}"
+
     def row(name: str, before: float | None, after: float, digits: int = 2) -> tuple[str, str, str]:
-        return name, "" if before is None else f"{before:.{digits}f}", f"{after:.{digits}f}"
+        return name, said(before, digits), said(after, digits)
 
     return [
         row("floating [% of frames]", floats[0].percent, floats[1].percent, 1),

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import sys
 import webbrowser
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
     from halfphysics.results.result import Result
 
 #: Option -> how its files may end; a film's suffixes are those of `halfphysics.render.film`.
-_SUFFIXES: Mapping[str, tuple[str, ...]] = {"page": (".html",), "pictures": (".png",)}
+_SUFFIXES: dict[str, tuple[str, ...]] = {"page": (".html",), "pictures": (".png",)}
 _FILES = ("out", "page", "pictures", "film")
 
 
@@ -52,13 +51,13 @@ class Outputs:
             MissingDependencyError: ffmpeg, which some films need, is not installed.
         """
         files = self.given()
-        for name, path in files.items():
-            _check_suffix(name, path)
-            check_output(path, *inputs)
         if len({path.absolute() for path in files.values()}) < len(files):
             raise InputError(
                 f"{', '.join(f'--{name}' for name in files)}: found one file for two of them"
             )
+        for name, path in files.items():
+            _check_suffix(name, path)
+            check_output(path, *inputs)
         if self.open and self.page is None:
             raise InputError("--open: shows the page in a browser; say where with --page FILE")
 
@@ -95,7 +94,19 @@ class Outputs:
 
 def _check_suffix(name: str, path: Path) -> None:
     from halfphysics.render.film import FILMS
+    from halfphysics.writers import is_kind
 
+    if name == "out":
+        others = _SUFFIXES | {"film": FILMS}
+        for option in (o for o, ends in others.items() if path.suffix.lower() in ends):
+            raise InputError(
+                f"--out: found {path}, expected a result's name (.npz); --{option} writes {path}"
+            )
+        if is_kind(path):
+            raise InputError(
+                f"--out: found {path}, expected a result's name (.npz), from which halfphysics "
+                f"convert RESULT {path} makes this"
+            )
     suffixes = FILMS if name == "film" else _SUFFIXES.get(name, ())
     if suffixes and path.suffix.lower() not in suffixes:
         raise InputError(

@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from halfphysics.base.reader_warnings import one_warning
 from halfphysics.base.validation import file_path
@@ -59,9 +59,6 @@ class MotionOptions:
     was recorded."""
     grip: bool = True
     """Let these hands press with what the object's weight needs; otherwise they only touch."""
-
-    #: Name of the option `frames` in messages.
-    FRAMES: ClassVar[str] = "frames"
 
     def load(self, path: Path) -> Motion:
         """The motion in a file."""
@@ -133,7 +130,7 @@ class MotionOptions:
             start, stop = (int(end) if end.strip() else None for end in ends)
         except ValueError:
             raise InputError(
-                f"{self.FRAMES}: found {self.frames!r}, expected START:STOP, such as 0:90 or 30:"
+                f"frames: found {self.frames!r}, expected START:STOP, such as 0:90 or 30:"
             ) from None
         return start, stop
 

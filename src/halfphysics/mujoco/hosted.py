@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.copying import Bound
+from halfphysics.base.short_repr import counted
 from halfphysics.body.mjcf_person import add_person, addresses
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.motion.joint_groups import stiffness_array
@@ -157,6 +158,12 @@ class Control(Bound):
                 HalfPhysicsWarning,
                 stacklevel=3,
             )
+
+    def __repr__(self) -> str:
+        state = "running" if self._started else "call reset(pose) first"
+        return (
+            f"Control({self._person.name!r}, {counted(len(self._geoms), 'geom')} around: {state})"
+        )
 
     def reset(self, pose: Pose) -> None:
         """Set the person to a pose, at rest, with `Settings.weight` on what is near under it; warns

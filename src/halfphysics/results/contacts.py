@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.base.short_repr import counted
+from halfphysics.base.short_repr import counted, frames_repr
 from halfphysics.results.table import Ints, Table
 
 Array = NDArray[np.float64]
@@ -54,8 +54,8 @@ class Contacts(Table):
             return "Contacts(none)"
         parts = counted(len(np.unique(self.part[self.part >= 0])), "part")
         return (
-            f"Contacts({counted(len(self), 'row')} in frames {self.frame.min()} to "
-            f"{self.frame.max()}, {parts}, impulses up to {self.strength.max():.3g} N s)"
+            f"Contacts({counted(len(self), 'row')} in {frames_repr(self.frame)}, {parts}, "
+            f"impulses up to {self.strength.max():.3g} N s)"
         )
 
     @property

@@ -88,13 +88,14 @@ def _coordinates(result: Result) -> dict[str, Any]:
 
 
 def _attributes(result: Result) -> dict[str, Any]:
+    """Of the whole; lists are text, since netCDF 3 (`to_netcdf` with scipy) has none of text."""
     return {
         "description": _CONVENTIONS,
         "fps": result.fps,
-        "names": list(result.names),
+        "names": ", ".join(result.names),
         "settings": repr(result.settings),
-        "gender": [person.motion.gender for person in result.people],
-        "model": [person.motion.model for person in result.people],
+        "gender": ", ".join(person.motion.gender for person in result.people),
+        "model": ", ".join(person.motion.model for person in result.people),
     }
 
 

@@ -14,7 +14,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.base.short_repr import counted
+from halfphysics.base.short_repr import counted, frames_repr
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.results.table import Ints, Table
@@ -54,7 +54,7 @@ class Depths(Table):
         if not len(self):
             return f"{type(self).__name__}(none)"
         frame = getattr(self, "frame", None)
-        when = "" if frame is None else f" in frames {frame.min()} to {frame.max()}"
+        when = "" if frame is None else f" in {frames_repr(frame)}"
         deepest = f"up to {1000.0 * self.depth.max():.3g} mm deep"
         return f"{type(self).__name__}({counted(len(self), 'row')}{when}, {deepest})"
 

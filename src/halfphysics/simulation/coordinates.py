@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from halfphysics import _native
 from halfphysics.base import rotations as rot
+from halfphysics.base.short_repr import short_repr
 from halfphysics.body.mjcf_person import addresses
 from halfphysics.motion.skeleton import N_JOINTS
 
@@ -40,6 +41,8 @@ class Person:
     count: int  # number of coordinates
     joint_qpos: NDArray[np.int64]  # first coordinate of every joint's quaternion (55,)
     bodies: NDArray[np.int64]  # body id of every joint (55,)
+
+    __repr__ = short_repr
 
     @staticmethod
     def of(model: Any, prefix: str, name: str, body: Body) -> Person:

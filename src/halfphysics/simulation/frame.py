@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.base.short_repr import short_repr
+from halfphysics.base.short_repr import counted, short_repr
 from halfphysics.motion.pose import Pose
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.results.inside import Depths
@@ -111,8 +111,9 @@ class Frame:
 
     def __repr__(self) -> str:
         return (
-            f"Frame({len(self.poses)} people, {len(self.objects)} objects, "
-            f"{len(self.contacts.part)} contacts, clearance {self.clearance:g} m)"
+            f"Frame({counted(len(self.poses), 'person', 'people')}, "
+            f"{counted(len(self.objects), 'object')}, "
+            f"{counted(len(self.contacts.part), 'contact')}, clearance {self.clearance:g} m)"
         )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base import progress as bars
+from halfphysics.base.short_repr import counted
 from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.motion.joint_groups import stiffness_of_motions, stiffness_over_time
 from halfphysics.simulation.argument_checks import (
@@ -76,7 +77,8 @@ def simulate(
     with bars.asked(progress):
         with bars.bar(1, "building the world", "world"):
             world = build_world(bodies, checked_scene(scene), checked_settings(settings))
-        clock.done("built the world of %d people and %d items", len(bodies), len(world.names))
+        people = counted(len(bodies), "person", "people")
+        clock.done("built the world of %s and %s", people, counted(len(world.names), "item"))
         return follow(world, motions, firmness)
 
 
@@ -109,7 +111,8 @@ def follow(
         warn_of_start(world, motions, world.stepper.inside())
         clock = Stopwatch(logger)
         run = record(world, motions, stiffness, bar.update)
-    clock.done("simulated %d frames of %d people", count, len(motions), count=count)
+    people = counted(len(motions), "person", "people")
+    clock.done("simulated %s of %s", counted(count, "frame"), people, count=count)
     logger.debug("%r", world.settings)
     result = recorded_result(world, motions, run)
     warn_of_lost_time(result, stacklevel=3)

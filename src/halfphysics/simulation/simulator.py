@@ -41,6 +41,10 @@ logger = logging.getLogger(__name__)
 Array = NDArray[np.float64]
 
 
+#: What a simulator is made of; copies also have what a subclass or its user has added.
+_OWN = frozenset({"settings", "dt", "world", "_axes", "_started", "_firmness"})
+
+
 class Simulator(InNotebook):
     """Half-physics, one frame at a time; the numbers are those of `simulate`.
 
@@ -311,12 +315,14 @@ class Simulator(InNotebook):
             "dt": self.dt,
             "axes": self._axes,
             "state": self.get_state() if self._started else None,
+            "more": {name: v for name, v in vars(self).items() if name not in _OWN},
         }
 
     def __setstate__(self, given: dict[str, Any]) -> None:
         self.settings, self.dt, self._axes = given["settings"], given["dt"], given["axes"]
         self.world = build_world(given["bodies"], given["scene"], given["settings"])
         self._started = False
+        vars(self).update(given["more"])
         if given["state"] is not None:
             self.set_state(given["state"])
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.short_repr import counted
 from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import shown
 from halfphysics.scene import articulated as jointed
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, repr=False)
 class World:
     """People and a scene in the core; `build_world` makes one.
 
@@ -65,6 +66,13 @@ class World:
     shape_name: NDArray[np.int64]
     shape_part: NDArray[np.int64]
     static_name: NDArray[np.int64]
+
+    def __repr__(self) -> str:
+        return (
+            f"World({counted(len(self.bodies), 'person', 'people')}, "
+            f"{counted(len(self.made_of.statics), 'static')}, "
+            f"{counted(len(self.tracked), 'object')})"
+        )
 
     @property
     def names(self) -> tuple[str, ...]:

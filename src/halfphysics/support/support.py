@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.copying import ReadOnly
+from halfphysics.base.short_repr import counted, frames_repr
 from halfphysics.base.suggestions import did_you_mean
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
@@ -49,6 +50,13 @@ class Pressure(Table):
     position: Array
     normal: Array
     force: Array
+
+    def __repr__(self) -> str:
+        if not len(self):
+            return "Pressure(none)"
+        points = f"{counted(len(self), 'row')} in {frames_repr(self.frame)}"
+        strongest = np.linalg.norm(self.force, axis=1).max()
+        return f"Pressure({points}, forces up to {strongest:.3g} N)"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -44,7 +44,7 @@ def build(
         mass: Of the ball [kg].
         friction: Of the ball.
         right_jamb: Where the opening begins, across the way [m], to the right negative: at -0.1
-            half of the body is asked through the wall.
+            half of the reference is in the wall.
         body: The person's body; None: the default body. Doorway and table are sized for the default
             body; the walk and the place of the ball follow the body given.
     """

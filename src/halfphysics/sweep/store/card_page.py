@@ -29,7 +29,7 @@ Motions, body models, meshes and scenes are the user's: their licences hold for 
 Body models and meshes are named in the cards by path and SHA-256, their content is not in it;
 poses, shapes and places of objects are."""
 _SUCCESS = {
-    "whole": "fewer frames came back than were asked for",
+    "whole": "fewer frames came back than the reference has",
     "finite": "a number was not finite",
     "clear": "a person or an object was inside something again, or never got out",
     "in_time": "a blocked step was shortened",

@@ -100,6 +100,8 @@ def test_wrong_arguments():
         hp.errors.InputError, match=r"found 1 axis for 3 charts .*expected one each"
     ):
         result.plot(ax=pyplot.figure().add_subplot())
+    with pytest.raises(hp.errors.InputError, match=r"plot: ax: found 3, expected axes"):
+        result.plot("forces", ax=3)
 
 
 def test_matplotlib_is_named_where_it_is_missing(monkeypatch):

@@ -39,6 +39,9 @@ def plot(result: Result, what: Sequence[str], ax: Any) -> Any:
         charts = list(axes[:, 0])
     else:
         charts = list(np.atleast_1d(np.asarray(ax, dtype=object)).ravel())
+        strange = [one for one in charts if not hasattr(one, "axhline")]
+        if strange:
+            raise InputError(f"plot: ax: found {shown(strange[0])}, expected axes of matplotlib")
         if len(charts) != len(names):
             raise InputError(
                 f"plot: found {counted(len(charts), 'axis', 'axes')} for {len(names)} charts "

@@ -7,8 +7,10 @@ package but those that the document says to install.
 from __future__ import annotations
 
 import ast
+import logging
 import re
 import urllib.request
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -63,6 +65,17 @@ def folder(prepared, tmp_path, monkeypatch) -> Path:
             target.write_bytes(path.read_bytes())
     monkeypatch.chdir(tmp_path)
     return tmp_path
+
+
+@pytest.fixture(autouse=True)
+def logs() -> Iterator[None]:
+    """A document that shows how to log changes it for itself alone."""
+    loggers = [logging.getLogger(name) for name in (None, "halfphysics")]
+    before = [(logger.level, logger.handlers[:]) for logger in loggers]
+    yield
+    for logger, (level, handlers) in zip(loggers, before, strict=True):
+        logger.setLevel(level)
+        logger.handlers[:] = handlers
 
 
 @pytest.fixture

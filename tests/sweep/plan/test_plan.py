@@ -208,7 +208,7 @@ def test_the_explained_example_is_a_plan(tmp_path: Path) -> None:
     plan = load(tmp_path, example)
     variants = Variants(plan, resolve_inputs(plan))
     assert f"{len(variants):,} variants" in text
-    messages = text.split("```\n")[2].splitlines()
+    messages = text.split("```text\n")[1].split("```")[0].splitlines()
     for (old, new), message in zip(DOCUMENTED, messages, strict=True):
         with pytest.raises(FileError) as caught:
             load(tmp_path, example.replace(old, new))

@@ -34,7 +34,7 @@ def test_support_is_shown_when_asked(tmp_path):
         page.page.get_by_role("checkbox", name="Support").click()
         page.until(lambda: says("centre of pressure"))
         page.until(lambda: (np.abs(page.picture() - before).max(axis=-1) > 25).sum() > 2000)
-        assert viewer.stages[0].people[0].handle.opacity < 1.0
+        assert all(h.opacity < 1.0 for h in viewer.stages[0].people[0].handles.values())
         page.page.click("text='Show'")
         page.page.click("text='Plots'")
         page.until(lambda: says("Held up [% of the weight]"))

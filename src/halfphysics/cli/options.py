@@ -6,7 +6,7 @@ import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
@@ -52,8 +52,6 @@ class MotionOptions(loading.MotionOptions):
         tuple[Path, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="FOLDER")
     ] = ()
     """Folder of the data set's other files (object meshes, templates)."""
-
-    FRAMES: ClassVar[str] = "--frames"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -62,6 +62,7 @@ class Server:
         self._opened = 0
         self._edited = session.edited
         self._newest: Outgoing | None = None
+        self._handing = threading.Lock()
         self._loop: asyncio.AbstractEventLoop
         self._ending: asyncio.Event
         self._watching: asyncio.Task[None] | None = None
@@ -103,7 +104,8 @@ class Server:
 
     def _publish(self, frame: Outgoing) -> None:
         """By the thread that steps: the newest frame; what was not sent before is forgotten."""
-        waiting, self._newest = self._newest, frame
+        with self._handing:
+            waiting, self._newest = self._newest, frame
         if waiting is None:
             self._loop.call_soon_threadsafe(self._send_newest)
 
@@ -188,7 +190,8 @@ class Server:
         )
 
     def _send_newest(self) -> None:
-        frame, self._newest = self._newest, None
+        with self._handing:
+            frame, self._newest = self._newest, None
         if frame is None:
             return
         if self._edited != self._session.edited:

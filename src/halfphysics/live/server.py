@@ -158,6 +158,9 @@ class Server:
 
     async def _serve(self, connection: ServerConnection) -> None:
         self._opened += 1
+        # A frame is sent when it is there, not when the one before it was acknowledged (Nagle).
+        own: socket.socket = connection.transport.get_extra_info("socket")
+        own.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         client = Client(connection, self._session, f"ws:{self._opened}", self._loop)
         try:
             await client.send(self._hello())

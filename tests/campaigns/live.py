@@ -71,7 +71,8 @@ class Run:
 
 def run(what: str, seconds: float, count: int, keep_busy: bool = False) -> Run:
     """One run of a kind: "latency", "watchers" or "faults"."""
-    notes, unanswered = [], 0
+    notes: list[str] = []
+    unanswered = 0
     with ServerProcess("doorway", "--people", "2") as server:
         others = busy(seconds + 2 * _STARTS) if keep_busy else None
         drive(server.url, _STARTS)  # everything has been done once

@@ -193,8 +193,8 @@ def model_with_other_axes(seed):
         positions, quaternions = BODY.joint_frames(pose)
         world = rot.multiply(rot.exp([-np.pi / 2, 0.0, 0.0]), quaternions)
         bones = rot.multiply(world, own)
-        local = humanoid.local_rotations(bones)
-        parents = np.maximum(humanoid.PARENTS, 0)
+        local = humanoid.CHAIN.local_rotations(bones)
+        parents = np.maximum(humanoid.CHAIN.parents, 0)
         offsets = rot.rotate(rot.conjugate(own[parents]), rest - rest[parents])
         x, y, z = positions[0]
         offsets[0] = 0.5 * np.array([x, z, -y])  # half as tall

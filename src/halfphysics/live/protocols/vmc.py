@@ -27,7 +27,7 @@ from halfphysics.live.protocols.malformed import Malformed
 from halfphysics.live.protocols.osc import Message
 from halfphysics.live.protocols.rig import Rig
 from halfphysics.live.protocols.udp import UdpReceiver, UdpSender
-from halfphysics.motion.skeleton import JOINT_INDEX, N_JOINTS, PARENTS
+from halfphysics.motion.skeleton import JOINT_INDEX, N_JOINTS
 
 Array = NDArray[np.float64]
 
@@ -160,7 +160,7 @@ class VmcDecoder:
         root_at, root = self._root
         local = frame.local.copy()
         local[0] = rot.multiply(root, local[0])
-        world = humanoid.world_rotations(local)
+        world = humanoid.CHAIN.world_rotations(local)
         offsets = frame.offsets.copy()
         offsets[0] = root_at + rot.rotate(root, offsets[0])
         self._fit(frame, world, offsets)
@@ -171,7 +171,7 @@ class VmcDecoder:
         """Calibrate if it was asked for; else the limbs of a model are along its own rest pose."""
         if self._wanted:
             self._wanted, self._calibrated = False, True
-            places = humanoid.world_positions(world, offsets)
+            places = humanoid.CHAIN.world_positions(world, offsets)
             hips = frame.given[[_LEFT_HIP, _RIGHT_HIP]].all()
             left = places[_LEFT_HIP] - places[_RIGHT_HIP] if hips else None
             if left is not None and np.linalg.norm(left) < 1e-3:
@@ -183,7 +183,7 @@ class VmcDecoder:
         if moved and not self._calibrated:
             self._aligned_to = rest.copy()
             still = np.tile(_IDENTITY, (N_JOINTS, 1))
-            places = humanoid.world_positions(still, frame.offsets)
+            places = humanoid.CHAIN.world_positions(still, frame.offsets)
             fresh = Rig.of(range(N_JOINTS))
             self.rig = fresh.aligned(places, still, frame.given, self._body)
 
@@ -204,8 +204,7 @@ class VmcEncoder:
     def __init__(self, person: str, body: Body) -> None:
         self._person, self._body = person, body
         self._rig = Rig.of(range(N_JOINTS))
-        rest = body.rest_joints
-        self._offsets = unity.position(rest - rest[np.maximum(PARENTS, 0)])
+        self._offsets = unity.position(humanoid.CHAIN.offsets(body.rest_joints))
 
     def encode(self, outgoing: Outgoing) -> list[bytes]:
         """See `Encoder.encode`. A person who has no pose yet is not sent, only that nobody is."""
@@ -217,7 +216,7 @@ class VmcEncoder:
         if pose is None:
             return osc.bundles(begin, MAX_PACKET)
         positions, quaternions = self._body.joint_frames(pose)
-        local = humanoid.local_rotations(self._rig.bones(quaternions))
+        local = humanoid.CHAIN.local_rotations(self._rig.bones(quaternions))
         places = self._offsets.copy()
         places[0] = unity.position(self._rig.places(positions[0]))
         rows = np.concatenate([places, unity.to_xyzw(local)], axis=1).tolist()

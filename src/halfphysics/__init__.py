@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from halfphysics.formats.library import clips
     from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
     from halfphysics.judging.judge import judge
+    from halfphysics.live.client import connect
+    from halfphysics.live.serve import serve
     from halfphysics.motion.motion import Motion
     from halfphysics.motion.pose import Pose
     from halfphysics.motion.skeleton import JOINT_NAMES
@@ -62,6 +64,7 @@ __all__ = [
     "attach",
     "baselines",
     "clips",
+    "connect",
     "errors",
     "export",
     "fix",
@@ -70,6 +73,7 @@ __all__ = [
     "metrics",
     "progress",
     "scenarios",
+    "serve",
     "simulate",
     "simulate_many",
     "support",
@@ -103,11 +107,13 @@ _FROM: dict[str, str | None] = {
     "Sphere": "geometry.shapes",
     "attach": "mujoco.hosted",
     "clips": "formats.library",
+    "connect": "live.client",
     "export": "writers",
     "fix": "repair.repair",
     "judge": "judging.judge",
     "load_sequence": "formats.registry",
     "progress": "base.progress",
+    "serve": "live.serve",
     "simulate": "simulation.simulate",
     "simulate_many": "simulation.simulate_many",
     "view": "viewer.view",

@@ -46,7 +46,7 @@ def test_a_live_session_gets_the_clip(clip, capsys):
         url = f"ws:127.0.0.1:{live.server.port}"
         assert run("send", "walk.npz", "--as", url, "--speed", "0.5") == 0
         assert list(live.session.newest.tracking.values()) == ["live"]
-    assert "frames in 0.4" in capsys.readouterr().out
+    assert "frames in 0.3" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -90,8 +90,16 @@ def _frame(clip: Motion, frame: int, rate: float, person: str, now: float) -> Ou
     )
 
 
+_NONE, _NO_VECTORS = np.zeros(0, dtype=np.int64), np.zeros((0, 3))
 _NO_CONTACTS = ContactRows(
-    *(np.zeros(0, dtype=np.int64) for _ in range(5)), *(np.zeros((0, 3)) for _ in range(3))
+    person=_NONE,
+    part=_NONE,
+    subject=_NONE,
+    other=_NONE,
+    other_part=_NONE,
+    position=_NO_VECTORS,
+    normal=_NO_VECTORS,
+    impulse=_NO_VECTORS,
 )
 
 

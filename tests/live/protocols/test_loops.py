@@ -1,4 +1,4 @@
-"""Through a live session: poses in by a protocol, corrected by physics, out by it, and read again."""
+"""Through a live session: poses in by a protocol, corrected, out by it, and read again."""
 
 from __future__ import annotations
 

@@ -65,7 +65,9 @@ def frame(rotations=None, root=REST[0], bones=range(27), seconds=1.5):
         tlv(
             b"btdt",
             tlv(b"bnid", struct.pack("<H", i))
-            + tlv(b"tran", struct.pack("<7f", *rotations.get(i, IDENTITY), *REST[i] if i else root)),
+            + tlv(
+                b"tran", struct.pack("<7f", *rotations.get(i, IDENTITY), *REST[i] if i else root)
+            ),
         )
         for i in bones
     )

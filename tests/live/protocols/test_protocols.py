@@ -57,5 +57,5 @@ def test_mistakes_are_said(text, message):
 
 
 def test_what_does_not_go_out_is_said():
-    with pytest.raises(InputError, match="'pico' is not sent. Expected one of vmc"):
+    with pytest.raises(InputError, match=r"'pico' is not sent\. Expected one of vmc"):
         protocols.sender("pico:1", person=PERSON, body=BODY)

@@ -143,9 +143,16 @@ def test_what_is_no_message_is_refused(data):
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.floats() | st.text(max_size=3),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.sampled_from(
-        ["actors", "body", "hip", "position", "rotation", "x", "y", "z", "w", "dimensions"]
-    ), inner, max_size=5),
+    lambda inner: (
+        st.lists(inner, max_size=3)
+        | st.dictionaries(
+            st.sampled_from(
+                ["actors", "body", "hip", "position", "rotation", "x", "y", "z", "w", "dimensions"]
+            ),
+            inner,
+            max_size=5,
+        )
+    ),
     max_leaves=12,
 )
 

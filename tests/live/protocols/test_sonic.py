@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import time
 
@@ -79,7 +80,7 @@ def test_the_arithmetic_of_their_streamer():
     assert np.allclose(fields["smpl_pose"], pose.rotations[1:22], atol=NEAR)
     for side, sign, (roll, pitch, yaw) in (("left", 1, (23, 25, 27)), ("right", -1, (24, 26, 28))):
         elbow = Rotation.from_rotvec(turns[JOINT_INDEX[f"{side}_elbow"]])
-        x, y, z, w = elbow.as_quat()
+        _x, y, _z, w = elbow.as_quat()
         swing = elbow * Rotation.from_quat([0.0, y, 0.0, w]).inv()
         bend = swing.as_euler("XYZ")
         hand = Rotation.from_rotvec(turns[JOINT_INDEX[f"{side}_wrist"]]).as_euler("XYZ")
@@ -141,10 +142,8 @@ def test_a_subscriber_gets_the_messages():
         frame = outgoing(any_pose(3), 0)
         sender.send(type(frame)(**{**vars(frame), "time": k / 50}))
         k += 1
-        try:
+        with contextlib.suppress(zmq.Again):
             got = subscriber.recv()
-        except zmq.Again:
-            pass
     with pytest.raises(InputError, match="cannot publish"):
         sonic.sender(sender.endpoint, PERSON, BODY)
     subscriber.close()

@@ -94,6 +94,8 @@ def _module(text: str, known: Mapping[str, str], done: str) -> tuple[Any, Endpoi
     name = text.partition(":")[0]
     if name not in known:
         hint = did_you_mean(name, known, otherwise=".")
-        raise InputError(f"protocol {name!r} is not {done}{hint} Expected one of {', '.join(known)}")
+        raise InputError(
+            f"protocol {name!r} is not {done}{hint} Expected one of {', '.join(known)}"
+        )
     module: Any = importlib.import_module(f"{__name__}.{name}")
     return module, endpoint(text, module.PORT)

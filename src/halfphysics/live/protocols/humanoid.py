@@ -32,7 +32,13 @@ _SIDED = {
     "Hand": "wrist",
     "Eye": "eye_smplhf",
 }
-_FINGERS = {"Thumb": "thumb", "Index": "index", "Middle": "middle", "Ring": "ring", "Little": "pinky"}
+_FINGERS = {
+    "Thumb": "thumb",
+    "Index": "index",
+    "Middle": "middle",
+    "Ring": "ring",
+    "Little": "pinky",
+}
 _PHALANGES = ("Proximal", "Intermediate", "Distal")
 
 

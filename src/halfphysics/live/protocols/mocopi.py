@@ -2,8 +2,8 @@
 
 Fields of length (u32), name (4 letters) and value, little-endian, within each other. First comes
 a skeleton (``skdf``): of each bone its parent, and rotation and position at rest; then frames
-(``fram``). Rotations (x, y, z, w) and positions [m] are in the parent's frame, right-handed, y up, z
-ahead: Sony's plug-in for Unity mirrors them at x = 0. Layout: seagetch/mcp-receiver,
+(``fram``). Rotations (x, y, z, w) and positions [m] are in the parent's frame, right-handed, y up,
+z ahead: Sony's plug-in for Unity mirrors them at x = 0. Layout: seagetch/mcp-receiver,
 doc/Protocol.md, and what others measured (the widths of ``time``, ``uttm``, ``tmcd``).
 """
 
@@ -190,14 +190,12 @@ class MocopiEncoder:
         return _BEGIN + field(b"skdf", field(b"bons", records))
 
 
-_BEGIN = field(
-    b"head", field(b"ftyp", b"sony motion format") + field(b"vrsn", bytes([1]))
-) + field(b"sndf", field(b"ipad", bytes(8)) + field(b"rcvp", struct.pack("<H", PORT)))
+_BEGIN = field(b"head", field(b"ftyp", b"sony motion format") + field(b"vrsn", bytes([1]))) + field(
+    b"sndf", field(b"ipad", bytes(8)) + field(b"rcvp", struct.pack("<H", PORT))
+)
 
 
-def _records(
-    name: bytes, local: Array, offsets: Array, parents: Sequence[int] | None
-) -> bytes:
+def _records(name: bytes, local: Array, offsets: Array, parents: Sequence[int] | None) -> bytes:
     out = []
     rows = np.concatenate([local[:, [1, 2, 3, 0]], offsets], axis=1).tolist()
     for bone, row in enumerate(rows):
@@ -216,7 +214,7 @@ def _bones(data: bytes, name: bytes) -> tuple[Array, Array, NDArray[np.bool_]]:
         if kind != name:
             continue
         record = dict(fields(value))
-        (bone,) = _unpacked("<H", _needed(record, b"bnid"))
+        bone = int(_unpacked("<H", _needed(record, b"bnid"))[0])
         row = np.array(_unpacked("<7f", _needed(record, b"tran")))
         if bone >= N_BONES:
             continue  # of another skeleton

@@ -1,9 +1,9 @@
 """PICO headsets: body joints from XRoboToolkit's SDK, (24, 7): x, y, z, and x, y, z, w of each.
 
 The 24 joints are SMPL's, in the world, y up [m]; in a T-pose that looks along -z they have no
-rotation, as in OpenXR. That is how NVIDIA's SONIC reads them: it turns each by half a turn about its
-y axis, and then about the world's x axis upright. The SDK (`xrobotoolkit_sdk`) is not on PyPI; it is
-imported when the receiver is started. The port says nothing: the SDK has its own connection.
+rotation, as in OpenXR. That is how NVIDIA's SONIC reads them: it turns each by half a turn about
+its y axis, and then about the world's x axis upright. The SDK (`xrobotoolkit_sdk`) is not on PyPI;
+it is imported when the receiver is started. The port says nothing: the SDK has its own connection.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
 """Rokoko Studio: custom streaming, JSON version 3 over UDP, port 14043.
 
 ``{"version": 3, "fps", "scene": {"timestamp", "actors": [{"name", "meta", "dimensions", "body":
-{"hip": {"position": {x, y, z}, "rotation": {x, y, z, w}}, ...}}]}}``. Positions [m] and rotations are in
-the world, in Unity's axes (Rokoko's plug-in takes them as they are); bones have axes of their own in
-the T-pose (`REST`, from the same plug-in). Choose JSON without compression. The first actor is
-taken.
+{"hip": {"position": {x, y, z}, "rotation": {x, y, z, w}}, ...}}]}}``. Positions [m] and rotations
+are in the world, in Unity's axes (Rokoko's plug-in takes them as they are); bones have axes of
+their own in the T-pose (`REST`, from the same plug-in). Choose JSON without compression. The first
+actor is taken.
 """
 
 from __future__ import annotations
@@ -203,7 +203,9 @@ def _scene(data: bytes) -> tuple[dict[str, Any], dict[str, Any]]:
     try:
         message = json.loads(data)
     except (ValueError, RecursionError) as error:
-        raise Malformed(f"rokoko: no JSON ({str(error)[:80]}). Switch the compression off") from None
+        raise Malformed(
+            f"rokoko: no JSON ({str(error)[:80]}). Switch the compression off"
+        ) from None
     if not isinstance(message, dict) or not str(message.get("version")).startswith("3"):
         raise Malformed("rokoko: no message of version 3")
     scene = message.get("scene")

@@ -1,4 +1,4 @@
-"""SONIC (NVIDIA GR00T-WholeBodyControl): corrected poses to a robot, as its PICO streamer sends them.
+"""SONIC (NVIDIA GR00T-WholeBodyControl): corrected poses to a robot, as its own streamer sends.
 
 A ZeroMQ publisher (port 5556) sends messages of one part: the topic ``pose``, a header of 1280
 bytes (JSON, padded with zeros) that names fields, types and shapes, then their bytes,
@@ -64,7 +64,9 @@ def pack(fields: dict[str, NDArray[Any]], version: int = 3) -> bytes:
     ]
     header = {"v": version, "endian": "le", "count": 1, "fields": described}
     text = json.dumps(header, separators=(",", ":")).encode()
-    data = b"".join(array.astype(array.dtype.newbyteorder("<")).tobytes() for array in fields.values())
+    data = b"".join(
+        array.astype(array.dtype.newbyteorder("<")).tobytes() for array in fields.values()
+    )
     return _TOPIC + text.ljust(HEADER, b"\0") + data
 
 

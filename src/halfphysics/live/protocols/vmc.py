@@ -41,7 +41,9 @@ MAX_DEVICES = 64
 _BONE, _ROOT, _TIME = "/VMC/Ext/Bone/Pos", "/VMC/Ext/Root/Pos", "/VMC/Ext/T"
 _OK, _CALIBRATE = "/VMC/Ext/OK", "/VMC/Ext/Set/Calib/Exec"
 _DEVICES = {
-    f"/VMC/Ext/{kind}/Pos{local}": kind for kind in ("Hmd", "Con", "Tra") for local in ("", "/Local")
+    f"/VMC/Ext/{kind}/Pos{local}": kind
+    for kind in ("Hmd", "Con", "Tra")
+    for local in ("", "/Local")
 }
 _LEFT_HIP, _RIGHT_HIP = JOINT_INDEX["left_hip"], JOINT_INDEX["right_hip"]
 # A bone whose place changes by more shows another model [m]; largest coordinate that is taken [m].
@@ -193,7 +195,9 @@ class VmcDecoder:
         self.devices[serial] = Device(
             _DEVICES[address],
             self.rig.axes @ unity.position(values[:3]),
-            rot.multiply(rot.from_matrix(self.rig.axes), rot.normalize(unity.from_xyzw(values[3:7]))),
+            rot.multiply(
+                rot.from_matrix(self.rig.axes), rot.normalize(unity.from_xyzw(values[3:7]))
+            ),
             address.endswith("/Local"),
         )
 
@@ -239,7 +243,9 @@ def _checked(message: Message) -> Array | None:
     address, arguments = message.address, message.arguments
     if address in (_BONE, _ROOT) or address in _DEVICES:
         if len(arguments) < 8 or not isinstance(arguments[0], str):
-            raise Malformed(f"{address}: found {len(arguments)} arguments, expected a name, 7 numbers")
+            raise Malformed(
+                f"{address}: found {len(arguments)} arguments, expected a name, 7 numbers"
+            )
         values = arguments[1:8]
         if not all(_is_number(value) and abs(value) < _FAR for value in values):
             raise Malformed(f"{address}: numbers that are not finite or far out of range")

@@ -1,11 +1,11 @@
 """Xsens MVN (MVN Analyze, Animate): its network streamer, UDP port 9763, quaternions (MXTP02).
 
 Big-endian; z up, right-handed, x ahead, y to the left; all segments have no rotation in a T-pose
-that looks along x. A datagram has a header of 24 bytes and 32 bytes a segment: number (from 1), position,
-rotation (w, x, y, z), both in the world; a sample may be split into several. MXTP13 has the places
-of the segments at rest. Layout: "MVN real-time network streaming, protocol specification"
-(MV0305P). It says centimetres where the user manual says metres, so the unit is seen by the
-person's size. A single character is taken: the first one that is heard.
+that looks along x. A datagram has a header of 24 bytes and 32 bytes a segment: number (from 1),
+position, rotation (w, x, y, z), both in the world; a sample may be split into several. MXTP13 has
+the places of the segments at rest. Layout: "MVN real-time network streaming, protocol
+specification" (MV0305P). It says centimetres where the user manual says metres, so the unit is seen
+by the person's size. A single character is taken: the first one that is heard.
 """
 
 from __future__ import annotations

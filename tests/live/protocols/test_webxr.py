@@ -75,7 +75,7 @@ def posed(**turns):
     rotations = t_pose().rotations.copy()
     for name, turn in turns.items():
         rotations[JOINT_INDEX[name]] = turn
-    return hp.Pose([*t_pose().translation, 0.1, -0.2, 0.0], rotations)
+    return hp.Pose(t_pose().translation + np.array([0.1, -0.2, 0.0]), rotations)
 
 
 REACH = posed(left_shoulder=[0.0, -0.4, 0.3], right_elbow=[0.0, 0.7, 0.0], neck=[0.0, 0.3, 0.0])

@@ -8,6 +8,7 @@ it is imported when the receiver is started. The port says nothing: the SDK has 
 
 from __future__ import annotations
 
+import importlib
 import threading
 import time
 from typing import Any
@@ -16,8 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base import rotations as rot
-from halfphysics.base.optional_package import optional
 from halfphysics.body.body import Body
+from halfphysics.errors import MissingDependencyError
 from halfphysics.live.incoming import Deliver, IncomingPose
 from halfphysics.live.protocols.calibration import calibrated
 from halfphysics.live.protocols.endpoint import Endpoint
@@ -94,6 +95,16 @@ class PicoDecoder:
         return IncomingPose(self._person, pose, time, tracked, self._source)
 
 
+def _sdk() -> Any:
+    try:
+        return importlib.import_module("xrobotoolkit_sdk")
+    except ImportError as error:
+        raise MissingDependencyError(
+            "poses of PICO headsets need xrobotoolkit_sdk, which is not on PyPI: build it from "
+            "github.com/XR-Robotics/XRoboToolkit-PC-Service-Pybind"
+        ) from error
+
+
 class PicoReceiver:
     """A `Receiver` that asks the SDK in a thread; a pose with the same time stamp is taken once.
 
@@ -118,7 +129,7 @@ class PicoReceiver:
         """Connect to the SDK's service and ask it in a thread; see `Receiver.start`."""
         sdk = self._sdk
         if sdk is None:
-            sdk = optional("xrobotoolkit_sdk", "poses of PICO headsets", "live")
+            sdk = _sdk()
         sdk.init()
         self._over.clear()
         self._thread = threading.Thread(target=self._ask, args=(sdk, deliver), daemon=True)

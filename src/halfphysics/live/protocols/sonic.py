@@ -164,7 +164,7 @@ class SonicSender:
     """A `Sender` that publishes; who subscribes late gets the newest messages only."""
 
     def __init__(self, endpoint: Endpoint, person: str, body: Body) -> None:
-        zmq = optional("zmq", "messages to SONIC", "live")
+        zmq = optional("zmq", "messages to SONIC", "sonic")
         self.endpoint = endpoint
         self.encoder = SonicEncoder(person, body)
         self.sent = self.dropped = 0

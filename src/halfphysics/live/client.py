@@ -114,7 +114,6 @@ class LiveClient:
                 f"{url}: nothing answers there ({error}). Start halfphysics serve"
             ) from None
         self._keys = itertools.count(1)
-        self._newest: LiveFrame | None = None
         first = self._message(_OPENS)
         if not isinstance(first, schema.Hello):
             self.close()
@@ -177,9 +176,6 @@ class LiveClient:
             FileError: The connection was closed.
             InputError: The server refused something that was sent.
         """
-        if self._newest is not None:
-            frame, self._newest = self._newest, None
-            return frame
         ends = None if timeout is None else time.monotonic() + timeout
         while True:
             left = None if ends is None else max(ends - time.monotonic(), 0.0)
@@ -251,7 +247,7 @@ class LiveClient:
             raise _closed(error) from None
 
     def _answered(self, key: int) -> None:
-        """Wait for the answer; of the frames before it the newest is kept for `receive`."""
+        """Wait for the answer; frames from before it are passed over."""
         ends = time.monotonic() + _ANSWERS
         while True:
             try:
@@ -260,11 +256,9 @@ class LiveClient:
                 raise FileError(
                     f"no answer within {_ANSWERS:g} s: the server is too busy or gone"
                 ) from None
-            if isinstance(message, schema.FrameMessage):
-                self._newest = _frame(message)
-            elif isinstance(message, schema.ErrorMessage) and message.id in (key, None):
+            if isinstance(message, schema.ErrorMessage) and message.id in (key, None):
                 raise InputError(message.message)
-            elif isinstance(message, schema.Done) and message.id == key:
+            if isinstance(message, schema.Done) and message.id == key:
                 return
 
 

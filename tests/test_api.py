@@ -38,7 +38,7 @@ PARAMETERS = {
     "Motion.save": "self path format * body",
     "Motion.rebased": "self body up",
     "clips": "path",
-    "export": "what path * body fps",
+    "export": "what path * body fps colliders",
     "adapt": "motion scene body recorded * settings grip others",
     "load_sequence": "path assets * objects adapt grip ground fps up hands model gender frames "
     "clip floor",

@@ -14,7 +14,8 @@ from websockets.sync.client import connect
 
 import halfphysics as hp
 from halfphysics.errors import FileError, InputError
-from halfphysics.live import safety, schema, server as module
+from halfphysics.live import safety, schema
+from halfphysics.live import server as module
 from halfphysics.live.safety import Gate
 from halfphysics.live.server import Server
 from support.live.faults import provoke

@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from halfphysics.live.interpreter import SWITCH, quick_answers, steady_memory
+from halfphysics.live.interpreter import SWITCH, quick_answers
 
 
 def test_it_is_set_back():

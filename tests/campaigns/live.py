@@ -69,21 +69,23 @@ class Run:
         return said
 
 
-def run(what: str, seconds: float, count: int, keep_busy: bool = False) -> Run:
-    """One run of a kind: "latency", "watchers" or "faults"."""
+def run(
+    what: str, seconds: float, count: int, keep_busy: bool = False, starts: float = _STARTS
+) -> Run:
+    """One run of a kind: "latency", "watchers" or "faults"; `starts`: seconds before it counts."""
     notes: list[str] = []
     unanswered = 0
     with ServerProcess("doorway", "--people", "2") as server:
-        others = busy(seconds + 2 * _STARTS) if keep_busy else None
-        drive(server.url, _STARTS)  # everything has been done once
+        others = busy(seconds + 2 * starts) if keep_busy else None
+        drive(server.url, starts)  # everything has been done once
         memory, files = server.memory, server.open_files
         if what == "watchers":
-            looking = watchers.watchers(server.url, count, seconds + _STARTS)
-            time.sleep(_STARTS)
+            looking = watchers.watchers(server.url, count, seconds + starts)
+            time.sleep(starts)
         with multiprocessing.get_context("spawn").Pool(1) as pool:
             if what == "faults":
                 wrong = pool.apply_async(provoke, (server.url, count))
-                time.sleep(1.0)
+                time.sleep(min(starts, 1.0))
             driven = drive(server.url, seconds)
             if what == "faults":
                 done = wrong.get()

@@ -205,14 +205,15 @@ def test_a_client_that_does_not_read_gets_the_newest_frames_and_delays_nobody(se
     small = socket.socket()
     small.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)  # the system's grow by themselves
     small.connect(("127.0.0.1", server.port))
-    with opened(server, max_queue=1, sock=small, close_timeout=0.2) as slow, opened(server) as other:
+    with (
+        opened(server, max_queue=1, sock=small, close_timeout=0.2) as slow,
+        opened(server) as other,
+    ):
         deadline = time.monotonic() + 60.0
         while server.skipped < 20 and time.monotonic() < deadline:
             frame = until(other, "frame")
         assert server.skipped >= 20
-        waiting = [
-            c.connection.transport.get_write_buffer_size() for c in server._clients.values()
-        ]
+        waiting = [c.connection.transport.get_write_buffer_size() for c in server._clients.values()]
         assert max(waiting) < 40_000
         first = until(slow, "frame")
         assert first["frame"] < frame["frame"]

@@ -1,6 +1,6 @@
 """Clients that only watch, many of them in one process of their own.
 
-    PYTHONPATH=src:tests python -m support.live.watchers URL COUNT SECONDS
+PYTHONPATH=src:tests python -m support.live.watchers URL COUNT SECONDS
 """
 
 from __future__ import annotations

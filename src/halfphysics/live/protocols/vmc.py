@@ -49,6 +49,8 @@ _LEFT_HIP, _RIGHT_HIP = JOINT_INDEX["left_hip"], JOINT_INDEX["right_hip"]
 # A bone whose place changes by more shows another model [m]; largest coordinate that is taken [m].
 _MOVED, _FAR = 1e-3, 1e4
 _IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
+# No place and no rotation, as they are sent.
+_REST = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
 def receiver(
@@ -82,10 +84,9 @@ class Device:
 
 @dataclass(eq=False)
 class _Frame:
-    """What has come of a frame, right-handed: rotations (55, 4), positions (55, 3)."""
+    """What has come of a frame: of each bone position and rotation as they were sent (55, 7)."""
 
-    local: Array = field(default_factory=lambda: np.tile(_IDENTITY, (N_JOINTS, 1)))
-    offsets: Array = field(default_factory=lambda: np.zeros((N_JOINTS, 3)))
+    rows: Array = field(default_factory=lambda: np.tile(_REST, (N_JOINTS, 1)))
     given: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(N_JOINTS, dtype=bool))
     done: bool = False
 
@@ -147,8 +148,7 @@ class VmcDecoder:
             self._expected = self._frame.given
             self._frame = _Frame()
         frame = self._frame
-        frame.local[joint] = rot.normalize(unity.from_xyzw(values[3:]))
-        frame.offsets[joint] = unity.position(values[:3])
+        frame.rows[joint] = values
         frame.given[joint] = True
         if not frame.done and self._expected is not None and frame.given[self._expected].all():
             poses += self._complete()
@@ -160,10 +160,10 @@ class VmcDecoder:
         if not frame.given[0]:
             return []
         root_at, root = self._root
-        local = frame.local.copy()
+        local = rot.normalize(unity.from_xyzw(frame.rows[:, 3:]))
         local[0] = rot.multiply(root, local[0])
         world = humanoid.CHAIN.world_rotations(local)
-        offsets = frame.offsets.copy()
+        offsets = unity.position(frame.rows[:, :3])
         offsets[0] = root_at + rot.rotate(root, offsets[0])
         self._fit(frame, world, offsets)
         pose, tracked = self.rig.pose(world, frame.given, offsets[0], self._body)
@@ -180,12 +180,12 @@ class VmcDecoder:
                 left = None
             self.rig = calibrated(self.rig, world, self._body, height=offsets[0, 1], left=left)
             return
-        rest = frame.offsets[1:]
+        rest = offsets[1:]
         moved = self._aligned_to is None or np.abs(rest - self._aligned_to).max() > _MOVED
         if moved and not self._calibrated:
             self._aligned_to = rest.copy()
             still = np.tile(_IDENTITY, (N_JOINTS, 1))
-            places = humanoid.CHAIN.world_positions(still, frame.offsets)
+            places = humanoid.CHAIN.world_positions(still, offsets)
             fresh = Rig.of(range(N_JOINTS))
             self.rig = fresh.aligned(places, still, frame.given, self._body)
 
@@ -229,9 +229,6 @@ class VmcEncoder:
             Message(_BONE, (name, *row)) for name, row in zip(humanoid.BONES, rows, strict=True)
         ]
         return osc.bundles(begin + bones, MAX_PACKET)
-
-
-_REST = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
 def _checked(message: Message) -> Array | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import pytest
 
 from halfphysics.live.clock import Clock
@@ -44,7 +46,7 @@ def run(period, first, seconds, *, dt=DT, sends=True):
 
 def test_without_poses_steps_are_a_period_apart():
     steps, _ = run(DT, 0.0, 1.0, sends=False)
-    assert [b - a for a, b in zip(steps, steps[1:], strict=False)] == pytest.approx([DT] * 89)
+    assert [b - a for a, b in pairwise(steps)] == pytest.approx([DT] * 89)
 
 
 @pytest.mark.parametrize("phase", [0.1, 0.5, 0.9])

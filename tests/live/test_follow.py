@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -50,14 +52,8 @@ def live(follower, given=None, steps=30):
 
 def speeds(targets):
     """Largest speed of the root [m/s] and of a joint [rad/s] from target to target."""
-    root = max(
-        np.linalg.norm(b.translation - a.translation)
-        for a, b in zip(targets, targets[1:], strict=False)
-    )
-    joint = max(
-        rot.angles(a.rotations, b.rotations).max()
-        for a, b in zip(targets, targets[1:], strict=False)
-    )
+    root = max(np.linalg.norm(b.translation - a.translation) for a, b in pairwise(targets))
+    joint = max(rot.angles(a.rotations, b.rotations).max() for a, b in pairwise(targets))
     return root / DT, joint / DT
 
 

@@ -23,7 +23,7 @@ def record(session, path, frames=50, during=None):
         if during is not None:
             during(k)
         target = session.newest.targets["person0"]
-        pose = hp.Pose(target.translation + (0.01, 0.0, 0.0), target.rotations)
+        pose = hp.Pose(np.add(target.translation, (0.01, 0.0, 0.0)), target.rotations)
         session.deliver(IncomingPose("person0", pose, k / 90))
         made.append(session.step())
     session.unlisten(recorder.add)

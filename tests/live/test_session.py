@@ -134,7 +134,7 @@ def test_a_step_that_fails_does_not_end_the_session(session, monkeypatch):
 
 def test_the_first_people_start_where_they_are_put(scene):
     pose = Session(scene).newest.poses["person"]
-    there = hp.Pose(pose.translation + (0.0, -1.5, 0.0), pose.rotations)
+    there = hp.Pose(np.add(pose.translation, (0.0, -1.5, 0.0)), pose.rotations)
     session = Session(scene, body=[hp.Body.default()] * 2, start=[there])
     np.testing.assert_allclose(session.newest.poses["person0"].translation, there.translation)
     assert len(session.newest.poses) == 2

@@ -17,9 +17,10 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import TracebackType
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
+from msgspec import UNSET
 from numpy.typing import NDArray
 from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidStatus, InvalidURI
 from websockets.sync import client as websocket
@@ -268,33 +269,35 @@ def _closed(error: ConnectionClosed) -> FileError:
 
 
 def _frame(message: schema.FrameMessage) -> LiveFrame:
-    poses, targets, tracking, stamps = {}, {}, {}, {}
+    poses: dict[str, Pose] = {}
+    targets: dict[str, Pose] = {}
+    stamps: dict[str, Stamp] = {}
     for name, person in message.people.items():
-        tracking[name] = person.tracking
         if person.stamp is not None:
             its = person.stamp
             stamps[name] = Stamp(its.sent, its.received, its.stepped)
-        if not isinstance(person.rotations, schema.UnsetType):
-            poses[name] = Pose(person.translation, person.rotations)  # type: ignore[arg-type]
-        if not isinstance(person.target_rotations, schema.UnsetType):
-            targets[name] = Pose(
-                person.target_translation,  # type: ignore[arg-type]
-                person.target_rotations,
-            )
-    objects = {} if isinstance(message.objects, schema.UnsetType) else message.objects
+        if person.translation is not UNSET and person.rotations is not UNSET:
+            poses[name] = _pose(person.translation, person.rotations)
+        if person.target_translation is not UNSET and person.target_rotations is not UNSET:
+            targets[name] = _pose(person.target_translation, person.target_rotations)
+    objects = {} if message.objects is UNSET else message.objects
     return LiveFrame(
         frame=message.frame,
         time=message.time,
         clock=message.clock,
         poses=poses,
         targets=targets,
-        tracking=tracking,  # type: ignore[arg-type]
+        tracking={n: cast("Tracking", person.tracking) for n, person in message.people.items()},
         stamps=stamps,
         objects={
             name: (np.array(place.position), np.array(place.quaternion))
             for name, place in objects.items()
         },
-        joints={} if isinstance(message.joints, schema.UnsetType) else message.joints,
-        contacts=() if isinstance(message.contacts, schema.UnsetType) else message.contacts,
+        joints={} if message.joints is UNSET else message.joints,
+        contacts=() if message.contacts is UNSET else message.contacts,
         clearance=math.inf if message.clearance is None else message.clearance,
     )
+
+
+def _pose(translation: list[float], rotations: list[list[float]]) -> Pose:
+    return Pose(np.array(translation), np.array(rotations))

@@ -17,7 +17,7 @@ from halfphysics.live.session import Session
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
-    """The bytes of a recording of 40 frames in 4 blocks, and the frames."""
+    """The bytes of a recording of 40 frames in 4 blocks, and the person's rotations."""
     path = tmp_path_factory.mktemp("recorded") / "out.npz"
     session = Session(None)
     recorder = Recorder(path, session.simulator)
@@ -30,7 +30,8 @@ def recorded(tmp_path_factory):
         unfinished.write_document(file, unfinished.SCENE, dict(SceneRecord.of(scene).document))
         for first in range(0, 40, 10):
             unfinished.write_frames(file, _fields(frames[first : first + 10]))
-    return recorder.partial.read_bytes(), frames
+    rotations = np.stack([frame.poses["person"].rotations for frame in frames])
+    return recorder.partial.read_bytes(), rotations
 
 
 def load(tmp_path, data):
@@ -40,12 +41,10 @@ def load(tmp_path, data):
 
 
 def test_all_of_it(recorded, tmp_path):
-    data, frames = recorded
+    data, rotations = recorded
     result = load(tmp_path, data)
     assert len(result) == 40
-    np.testing.assert_array_equal(
-        result.motion.rotations, [f.poses["person"].rotations for f in frames]
-    )
+    np.testing.assert_array_equal(result.motion.rotations, rotations)
     assert is_result(tmp_path / "cut.unfinished")
     assert unfinished.is_unfinished(tmp_path / "cut.unfinished")
     assert not unfinished.is_unfinished(tmp_path)
@@ -57,10 +56,9 @@ def test_cut_anywhere_it_has_whole_blocks_or_says_so(recorded, tmp_path):
     for cut in random.Random(1).sample(range(len(data)), 40):
         try:
             found.add(len(load(tmp_path, data[:cut])))
-        except FileError as error:
-            assert str(tmp_path) in str(error)
-    assert found <= {10, 20, 30}
-    assert len(found) == 3
+        except FileError:
+            found.add(0)
+    assert found == {0, 10, 20, 30}
     assert len(load(tmp_path, data[:-1])) == 30
 
 

@@ -152,7 +152,9 @@ def _order_of(path: Path) -> list[int]:
 
 def _save(motion: Motion, path: Path, body: Body | None) -> None:
     person = written([motion], NAME)["0"]
-    order = list(motion.origin.fields["order"]) if _is_own(motion) else list(ORDER)
+    origin = motion.origin
+    own = origin is not None and origin.format == NAME
+    order = list(origin.fields["order"]) if own and origin is not None else list(ORDER)
     turns = rot.continuous(rot.exp(person.rotations[:, order]))
     places = np.tile(np.eye(4), (len(motion), 1, 1))
     places[:, :3, :3] = rot.rotvec_to_matrix(person.rotations[:, 0])
@@ -165,10 +167,6 @@ def _save(motion: Motion, path: Path, body: Body | None) -> None:
         "fps": motion.fps,
     }
     write(path, {CLIPS[0]: clip})
-
-
-def _is_own(motion: Motion) -> bool:
-    return motion.origin is not None and motion.origin.format == NAME
 
 
 def _loses(motion: Motion) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ comes again begins the next one.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from halfphysics.base import rotations as rot
 from halfphysics.body.body import Body
 from halfphysics.live.incoming import IncomingPose, Outgoing
 from halfphysics.live.protocols import humanoid, osc, unity
-from halfphysics.live.protocols.calibration import calibrated
+from halfphysics.live.protocols.calibration import HEIGHTS, calibrated
 from halfphysics.live.protocols.endpoint import Endpoint
 from halfphysics.live.protocols.malformed import Malformed
 from halfphysics.live.protocols.osc import Message
@@ -45,6 +45,7 @@ _DEVICES = {
     for kind in ("Hmd", "Con", "Tra")
     for local in ("", "/Local")
 }
+_ANKLES = [JOINT_INDEX["left_ankle"], JOINT_INDEX["right_ankle"]]
 _LEFT_HIP, _RIGHT_HIP = JOINT_INDEX["left_hip"], JOINT_INDEX["right_hip"]
 # A bone whose place changes by more shows another model [m]; largest coordinate that is taken [m].
 _MOVED, _FAR = 1e-3, 1e4
@@ -186,8 +187,14 @@ class VmcDecoder:
             self._aligned_to = rest.copy()
             still = np.tile(_IDENTITY, (N_JOINTS, 1))
             places = humanoid.CHAIN.world_positions(still, offsets)
-            fresh = Rig.of(range(N_JOINTS))
+            fresh = replace(Rig.of(range(N_JOINTS)), scale=self._scale(frame, places))
             self.rig = fresh.aligned(places, still, frame.given, self._body)
+
+    def _scale(self, frame: _Frame, places: Array) -> float:
+        """Our leg over the model's, from the pelvis down to the ankles; 1 if it has none."""
+        theirs, ours = (at[0, 1] - at[_ANKLES, 1].mean() for at in (places, self._body.rest_joints))
+        known = frame.given[_ANKLES].all() and HEIGHTS[0] < theirs < HEIGHTS[1]
+        return float(ours / theirs) if known else 1.0
 
     def _device(self, address: str, serial: str, values: Array) -> None:
         if serial not in self.devices and len(self.devices) >= MAX_DEVICES:

@@ -20,7 +20,6 @@ ELSEWHERE = {"build", "cibuildwheel"}
 #: Commands that are read to the last option, and not run.
 READ_ONLY = {
     "bench": "takes minutes; tests/bench runs its cases",
-    "serve": "runs until Ctrl-C; tests/cli/test_serve.py runs it",
 }
 
 

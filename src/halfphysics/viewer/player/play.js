@@ -1,0 +1,143 @@
+// A page with physics: no server and no recording, the core runs here (viewer/play_page.py).
+
+/** The marks of a simulation so far: of each kind of contact, the largest force by frame. */
+class LiveMarks {
+  constructor(kinds, frames) {
+    this.kinds = kinds;
+    this.force = kinds.map(() => new Float32Array(frames));
+    this.late = true;
+  }
+
+  add(frame, contacts) {
+    this.kinds.forEach(({ kind }, k) => {
+      const most = Math.max(0, ...contacts.filter((one) => one.kind === kind)
+        .map((one) => Math.hypot(...one.force)));
+      this.late ||= most !== this.force[k][frame];
+      this.force[k][frame] = most;
+    });
+  }
+
+  rows() {
+    const { fps } = data;
+    return this.kinds.map(({ label, color }, k) => {
+      const marks = [];
+      let start = null;
+      const force = this.force[k];
+      for (let frame = 0; frame <= force.length; frame++) {
+        const touches = frame < force.length && force[frame] >= 1;
+        if (touches && start === null) start = frame;
+        if (touches || start === null) continue;
+        const most = Math.max(...force.subarray(start, frame));
+        marks.push([Math.max(start - 1, 0) / fps, (frame - 1) / fps, `up to ${most.toFixed(0)} N`]);
+        start = null;
+      }
+      return { label, color, marks };
+    });
+  }
+}
+
+/** Where the people are now, as a row of `data.track`. */
+function trackNow(people) {
+  const boxes = (frames) => [0, 1, 2].map((k) => Math.min(...frames.map(([place]) => place[k])))
+    .concat([0, 1, 2].map((k) => Math.max(...frames.map(([place]) => place[k]))));
+  const all = people.flat();
+  const { hands, hips } = data.play;
+  const middle = [0, 1, 2].map((k) => people.reduce((sum, one) => sum + one[0][0][k], 0) / people.length);
+  const left = unit(add(people[0][hips[0]][0], people[0][hips[1]][0], -1));
+  return [...boxes(all), ...middle, ...left, ...boxes(people.flatMap((one) => hands.map((j) => one[j])))];
+}
+
+async function startPlay(packed) {
+  data = packed;
+  const { play } = packed;
+  data.track = [...data.track, data.track[0]]; // the first frame, and now
+  aimFirst();
+  let physics = null;
+  try {
+    physics = await Physics.load(play);
+  } catch (error) {
+    console.error(error);
+    whenLoaded(() => say(`The physics does not start here: ${error.message}`, 60));
+    return;
+  }
+  whenLoaded(() => {
+    const cameras = new PageCameras();
+    const bar = new Bar(physics);
+    const paint = new SkinForces(data.ramp);
+    const marks = new LiveMarks(play.kinds, physics.frames);
+    const nodes = new ContactNodes(play.kinds);
+    const figures = play.people.map((person) => new FigureNodes(person));
+    const pointer = new Pointer(physics, play.objects.filter((one) => one.free));
+    physics.before = (dt) => pointer.pull(dt);
+    const follow = () => {
+      cameras.follow(1);
+      panel.follow.classList.toggle("hp-on", cameras.following);
+    };
+    const panel = new PagePanel({
+      layer(layer, on) {
+        if (layer.id === "skin") paint.on = on;
+        for (const name of layer.nodes) setVisible(name, on);
+        shown = -1;
+        redraw();
+      },
+      camera(name) {
+        if (name === "Everything") cameras.everything(1);
+        else if (name === "First") cameras.home(1);
+        else cameras.preset(name, 1);
+        panel.follow.classList.toggle("hp-on", cameras.following);
+      },
+      follow,
+    });
+    const knobs = new Knobs(physics, { restart: () => physics.restart() });
+    panel.folded.prepend(knobs.element);
+    panel.follow.classList.toggle("hp-on", cameras.following);
+    document.body.append(bar.element, panel.element);
+    bar.setMarks(marks.rows());
+    const keys = { ...commonKeys(physics, { next: () => say("Nothing to compare: this runs now.") }),
+      f: follow, 0: () => cameras.home(1),
+      ...Object.fromEntries(PRESETS.map((name, k) => [`${k + 1}`, () => cameras.preset(name, 1)])) };
+    listenToKeys(keys);
+    let shown = -1;
+    let marked = 0;
+
+    function show() {
+      const contacts = physics.contacts();
+      const people = play.people.map((_, k) => physics.joints(k));
+      people.forEach((frames, k) => figures[k].show(frames, physics.reference(k)));
+      for (const object of play.objects) placed(object.node, physics.place(object));
+      nodes.show(contacts);
+      if (people.length) {
+        data.track[1] = trackNow(people);
+        placed(play.subject, [data.track[1].slice(6, 9), IDENTITY]);
+      }
+      people.forEach((frames, k) => paint.show(data.people[k], contacts
+        .filter((one) => one.person === k && Math.hypot(...one.force) >= 1)
+        .map((one) => atRest(play.people[k], frames, one))));
+      marks.add(physics.index, contacts);
+      redraw();
+    }
+
+    whenReady(() => {
+      const begin = () => (physics.playing = true);
+      if (document.getElementById("first")) addEventListener("first-picture", begin, { once: true });
+      else begin();
+      frameLoop(() => {
+        physics.tick();
+        if (shown !== physics.changes && data.people.every(node)) {
+          shown = physics.changes;
+          show();
+        }
+        const now = performance.now();
+        if (marks.late && now - marked > 500) {
+          marked = now;
+          marks.late = false;
+          bar.setMarks(marks.rows());
+        }
+        cameras.tick(1);
+        bar.refresh();
+        knobs.status.textContent = physics.pace();
+      });
+    });
+    window.halfphysics = { physics, cameras, paint, pointer, knobs, clock: physics };
+  });
+}

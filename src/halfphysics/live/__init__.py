@@ -1,0 +1,1 @@
+"""Live: poses of people who move now come in, corrected poses, objects and contacts go out."""

@@ -135,7 +135,7 @@ class Subscribe(Struct, tag="subscribe"):
     Defaults: everything, of everybody, every frame. A rate of 0 sends none.
     """
 
-    parts: Annotated[list[Part], Meta(max_length=len(PARTS))] = list(PARTS)
+    parts: Annotated[list[Part], Meta(max_length=len(PARTS))] | None = None
     people: Annotated[list[Name], Meta(max_length=MAX_PEOPLE)] | None = None
     rate: Annotated[float, Meta(ge=0.0, le=1000.0)] | None = None
     id: Id = None

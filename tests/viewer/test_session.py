@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
+from halfphysics.scene.changed import mass_of, movable
 from halfphysics.settings import AS_IT_IS
 from halfphysics.viewer import session as do
 from halfphysics.viewer.catalog import OWN, Catalog, Choice, options
-from halfphysics.viewer.knobs import STRENGTHS, Knobs, mass_of, movable
+from halfphysics.viewer.knobs import STRENGTHS, Knobs
 from halfphysics.viewer.session import Session, bodies_of
 from support.sessions import KICK, ball, run, simulated, standing
 

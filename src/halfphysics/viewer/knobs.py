@@ -7,16 +7,14 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from halfphysics.base.validation import number
 from halfphysics.body.strength import HUMAN, ROOT_BODY_WEIGHTS
 from halfphysics.errors import InputError
 from halfphysics.motion.joint_groups import ROOT_FORCE
-from halfphysics.scene.trajectories import KinematicObject
+from halfphysics.scene.changed import changed
 from halfphysics.settings import AS_IT_IS
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
-    from halfphysics.scene.articulated import Articulated
     from halfphysics.scene.scene import Scene
     from halfphysics.settings import Settings
 
@@ -77,62 +75,7 @@ class Knobs:
         Raises:
             InputError: An impossible value, or a name that the scene does not have.
         """
-        if not self.masses and not self.frictions:
-            return base
-        scene = base._copied()
-        for name, value in self.masses.items():
-            what = f"mass of {name!r}"
-            mass = number(value, what, above=0.0, unit="kg")
-            if name in movable(base):
-                _put(scene, _heavier(movable(base)[name], mass))
-            else:
-                _refuse(what, movable(base))
-        for name, value in self.frictions.items():
-            what = f"friction of {name!r}"
-            mu = number(value, what, least=0.0)
-            items: dict[str, Any] = {**scene.statics, **scene.objects, **scene.articulated}
-            if name not in items:
-                _refuse(what, items)
-            _put(scene, replace(items[name], friction=mu))
-        return scene
-
-
-def movable(scene: Scene) -> dict[str, Any]:
-    """Name -> free or articulated object: those whose mass has an effect."""
-    free = {n: o for n, o in scene.objects.items() if not isinstance(o, KinematicObject)}
-    return {**free, **scene.articulated}
-
-
-def mass_of(item: Any) -> float:
-    """Mass of a free object, or of the movable links of an articulated object [kg]."""
-    if hasattr(item, "links"):
-        return float(sum(link.mass for link in item.links if not link.fixed))
-    return float(item.mass)
-
-
-def _heavier(item: Any, mass: float) -> Any:
-    factor = mass / mass_of(item)
-    if not hasattr(item, "links"):
-        return replace(item, mass=mass, inertia=item.inertia * factor)
-    jointed: Articulated = item
-    links = tuple(
-        link
-        if link.fixed
-        else replace(link, mass=link.mass * factor, inertia=link.inertia * factor)
-        for link in jointed.links
-    )
-    return replace(jointed, links=links)
-
-
-def _put(scene: Scene, item: Any) -> None:
-    """Replace an item in its group; the order of names stays."""
-    for group in (scene._statics, scene._objects, scene._articulated):
-        if item.name in group:
-            group[item.name] = item
-
-
-def _refuse(what: str, items: Mapping[str, Any]) -> None:
-    raise InputError(f"{what}: found none, expected one of {', '.join(items) or 'nothing'}")
+        return changed(base, self.masses, self.frictions)
 
 
 def _strength(name: str, body: Body) -> Any:

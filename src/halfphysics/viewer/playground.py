@@ -7,11 +7,11 @@ from typing import Any
 
 from halfphysics.render.rasterizer import Camera
 from halfphysics.render.result_meshes import Drawing
+from halfphysics.simulation.dragging import draggable
 from halfphysics.viewer.arrange import Arrangement, arrange
 from halfphysics.viewer.camera import Cameras
 from halfphysics.viewer.catalog import Catalog, Choice
 from halfphysics.viewer.contacts import ContactNodes
-from halfphysics.viewer.dragging import draggable
 from halfphysics.viewer.framing import WINDOW, on_people
 from halfphysics.viewer.live_contacts import LiveContacts
 from halfphysics.viewer.live_wire import LiveWire

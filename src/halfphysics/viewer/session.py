@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from halfphysics.body.body import Body
 from halfphysics.errors import HalfPhysicsError, InputError
+from halfphysics.simulation.dragging import Drag, draggable
 from halfphysics.simulation.frame import Frame
 from halfphysics.simulation.live_edits import rebuilt
 from halfphysics.simulation.simulator import Simulator
 from halfphysics.viewer.catalog import Catalog, Choice
-from halfphysics.viewer.dragging import Drag, draggable
 from halfphysics.viewer.knobs import Knobs
 
 if TYPE_CHECKING:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from halfphysics.scene.changed import mass_of, movable
 from halfphysics.viewer import session as do
-from halfphysics.viewer.knobs import mass_of, movable
 from halfphysics.viewer.panel.controls import LIVE, Controls, turn
 
 

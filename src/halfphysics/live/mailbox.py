@@ -1,0 +1,191 @@
+"""The newest pose of every person: what arrives from any thread, until the next step takes it.
+
+There is no queue: a pose that was not stepped yet is replaced by the next one, and counted.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from halfphysics.live.incoming import IncomingPose
+
+#: A pose whose time is farther back than this belongs to a sender that started again [s].
+_RESTART = 1.0
+#: A source that was silent for so long does not own its person any more [s].
+SILENT = 1.0
+#: Weight of the newest gap in the usual interval of a sender, and the largest gap that counts [s].
+_SMOOTH, _PAUSE = 0.1, 0.5
+
+Refusal = Literal["unknown", "busy", "late"]
+
+
+@dataclass(frozen=True)
+class Arrival:
+    """A pose that waits for the next step.
+
+    Attributes:
+        pose: The pose.
+        received: When it arrived, by the server's clock [s].
+        gap: Time since the one before it arrived [s]; 0 for the first.
+    """
+
+    pose: IncomingPose
+    received: float
+    gap: float
+
+
+@dataclass
+class Counts:
+    """What became of poses: taken by a step, replaced before one, refused."""
+
+    stepped: int = 0
+    replaced: int = 0
+    late: int = 0
+    unknown: int = 0
+    busy: int = 0
+
+    @property
+    def dropped(self) -> int:
+        """Poses that no step has seen."""
+        return self.replaced + self.late + self.unknown + self.busy
+
+
+class _Slot:
+    """One person's place in the mailbox."""
+
+    def __init__(self) -> None:
+        self.arrival: Arrival | None = None
+        self.source: str | None = None
+        self.time: float | None = None
+        self.received = -float("inf")
+        self.interval = 0.0
+
+
+class Mailbox:
+    """The newest poses of people.
+
+    Args:
+        people: Names of the people that there are.
+        now: The server's clock [s].
+
+    Attributes:
+        counts: What became of the poses.
+    """
+
+    def __init__(self, people: Sequence[str], now: Callable[[], float] = time.perf_counter) -> None:
+        self._now = now
+        self._slots = {name: _Slot() for name in people}
+        self._changed = threading.Condition()
+        self._woken = False
+        self.counts = Counts()
+
+    # -- from any thread -----------------------------------------------------------------
+
+    def deliver(self, pose: IncomingPose) -> None:
+        """`offer` for receivers that cannot tell their sender."""
+        self.offer(pose)
+
+    def offer(self, pose: IncomingPose) -> Refusal | None:
+        """Put a pose in, unless there is a reason against it, which is returned."""
+        with self._changed:
+            slot = self._slots.get(pose.person)
+            if slot is None:
+                self.counts.unknown += 1
+                return "unknown"
+            now = self._now()
+            other = slot.source is not None and pose.source != slot.source
+            if other and now - slot.received < SILENT:
+                self.counts.busy += 1
+                return "busy"
+            if not other and _is_late(pose.time, slot.time):
+                self.counts.late += 1
+                return "late"
+            self._put(slot, pose, now)
+            self._changed.notify()
+            return None
+
+    def release(self, source: str) -> None:
+        """A source has gone: others may take over its people at once."""
+        with self._changed:
+            for slot in self._slots.values():
+                if slot.source == source:
+                    slot.source = slot.time = None
+
+    def wake(self) -> None:
+        """Let `wait` return, since there is something else to do."""
+        with self._changed:
+            self._woken = True
+            self._changed.notify()
+
+    # -- by the thread that steps --------------------------------------------------------
+
+    def wait(self, seconds: float) -> None:
+        """Wait until a pose arrives or somebody wakes us, at most so long."""
+        with self._changed:
+            if not self._woken:
+                self._changed.wait(seconds)
+            self._woken = False
+
+    def take(self) -> dict[str, Arrival]:
+        """Name of a person -> its newest pose, of those that have a new one."""
+        with self._changed:
+            taken = {}
+            for name, slot in self._slots.items():
+                if slot.arrival is not None:
+                    taken[name], slot.arrival = slot.arrival, None
+            self.counts.stepped += len(taken)
+            return taken
+
+    def fresh(self, until: float) -> bool:
+        """Whether there is a new pose, and none is expected before `until` (server's clock)."""
+        found = False
+        with self._changed:
+            for slot in self._slots.values():
+                if slot.arrival is not None:
+                    found = True
+                elif self._expected(slot) <= until:
+                    return False
+        return found
+
+    def expecting(self, until: float) -> bool:
+        """Whether a pose is expected before `until` (server's clock)."""
+        with self._changed:
+            return any(
+                slot.arrival is None and self._expected(slot) <= until
+                for slot in self._slots.values()
+            )
+
+    def silence(self, person: str) -> float:
+        """Time since the person's last pose arrived [s]; inf: none did."""
+        return self._now() - self._slots[person].received
+
+    def interval(self, person: str) -> float:
+        """Usual time between two poses of the person [s]; 0: unknown."""
+        return self._slots[person].interval
+
+    def _expected(self, slot: _Slot) -> float:
+        """When the next pose arrives if the sender goes on; inf: it has stopped."""
+        if slot.interval == 0.0 or self._now() - slot.received > 3.0 * slot.interval:
+            return float("inf")
+        return slot.received + 0.8 * slot.interval
+
+    def _put(self, slot: _Slot, pose: IncomingPose, now: float) -> None:
+        gap = now - slot.received
+        if slot.source != pose.source or gap > _PAUSE:
+            slot.interval = 0.0
+        elif slot.interval == 0.0:
+            slot.interval = gap
+        else:
+            slot.interval += _SMOOTH * (gap - slot.interval)
+        if slot.arrival is not None:
+            self.counts.replaced += 1
+        slot.arrival = Arrival(pose, now, gap if gap < 1e9 else 0.0)
+        slot.source, slot.time, slot.received = pose.source, pose.time, now
+
+
+def _is_late(time: float | None, newest: float | None) -> bool:
+    return time is not None and newest is not None and newest - _RESTART < time < newest

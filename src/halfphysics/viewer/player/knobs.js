@@ -66,7 +66,8 @@ class Knobs {
 
   refresh() {
     const { physics, object } = this;
-    this.stiffness.value = physics.turned.stiffness;
+    const { stiffness } = physics.turned;
+    this.stiffness.value = stiffness === null ? physics.play.stiffnessShown : stiffness;
     if (!object) return;
     this.mass.value = physics.turned.mass[object.name];
     this.friction.value = physics.turned.friction[object.name];

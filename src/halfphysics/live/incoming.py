@@ -9,13 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.motion.pose import Pose
 from halfphysics.simulation.core_rows import ContactRows
+
+if TYPE_CHECKING:
+    from halfphysics.simulation.frame import Frame
 
 Array = NDArray[np.float64]
 
@@ -81,6 +84,7 @@ class Outgoing:
         names: Statics, objects, people: what `contacts` refer to.
         dt: Length of the frame [s]: force = impulse / dt.
         clearance: Minimum distance of the people from static geometry [m]; inf: far.
+        simulated: The simulator's frame, with torques and diagnostics; None: from elsewhere.
     """
 
     frame: int
@@ -96,6 +100,7 @@ class Outgoing:
     tracking: Mapping[str, Tracking] = field(default_factory=dict)
     stamps: Mapping[str, Stamp] = field(default_factory=dict)
     joints: Mapping[str, Any] = field(default_factory=dict)
+    simulated: Frame | None = None
 
 
 class Receiver(Protocol):

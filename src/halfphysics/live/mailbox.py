@@ -105,6 +105,7 @@ class Mailbox:
                 self.counts.late += 1
                 return "late"
             self._put(slot, pose, now)
+            self._woken = True
             self._changed.notify()
             return None
 

@@ -12,6 +12,7 @@ import msgspec
 from msgspec import UNSET, Meta, Struct, UnsetType
 
 from halfphysics.errors import InputError
+from halfphysics.motion.skeleton import JOINT_NAMES, PARENTS
 
 #: Version of the schema. A change that old clients cannot read makes a new one.
 VERSION = 1
@@ -291,6 +292,37 @@ FromServer = Hello | SceneMessage | FrameMessage | Done | ErrorMessage | Pong
 _FROM_CLIENT = (msgspec.json.Decoder(FromClient), msgspec.msgpack.Decoder(FromClient))
 _FROM_SERVER = (msgspec.json.Decoder(FromServer), msgspec.msgpack.Decoder(FromServer))
 _JSON, _MSGPACK = msgspec.json.Encoder(), msgspec.msgpack.Encoder()
+
+
+def hello(
+    *,
+    server: str,
+    fps: float,
+    people: list[PersonItem],
+    statics: list[SceneItem],
+    objects: list[SceneItem],
+    clock: float,
+) -> Hello:
+    """The first message of a server; see `Hello`."""
+    return Hello(
+        version=VERSION,
+        server=server,
+        fps=fps,
+        people=people,
+        statics=statics,
+        objects=objects,
+        joints=list(JOINT_NAMES),
+        parents=PARENTS.tolist(),
+        units=UNITS,
+        axes=AXES,
+        clock=clock,
+        limits={
+            "message_bytes": MAX_MESSAGE,
+            "position": MAX_DISTANCE,
+            "rotation": MAX_ROTATION,
+            "people": MAX_PEOPLE,
+        },
+    )
 
 
 def encode(message: Struct, binary: bool) -> bytes:

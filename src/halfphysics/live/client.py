@@ -1,0 +1,308 @@
+"""A small client of a live session: poses in, corrected frames out.
+
+```python
+with hp.connect("ws://127.0.0.1:8765") as live:
+    for pose in poses:
+        live.send(pose)
+        frame = live.receive()
+        frame.poses["person0"], frame.objects, frame.contacts
+```
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidStatus, InvalidURI
+from websockets.sync import client as websocket
+from websockets.typing import Subprotocol
+
+from halfphysics.errors import FileError, InputError
+from halfphysics.live import schema
+from halfphysics.live.incoming import Stamp, Tracking
+from halfphysics.motion.pose import Pose
+
+Array = NDArray[np.float64]
+
+#: Time within which an edit is answered, and a connection is made [s].
+_ANSWERS, _OPENS = 10.0, 10.0
+#: Largest message of a server: its first one has the meshes of the scene [bytes].
+_LARGEST = 256 * 2**20
+
+
+@dataclass(frozen=True, eq=False)
+class LiveFrame:
+    """A frame as a client gets it. Parts that were not subscribed to are empty.
+
+    Attributes:
+        frame: Its number.
+        time: Simulated time [s].
+        clock: Server's clock when it was done [s].
+        poses: Name of a person -> corrected pose.
+        targets: Name of a person -> pose that the physics was asked for.
+        tracking: Name of a person -> "waiting", "live", "held" or "relaxed".
+        stamps: Name of a person -> times of its newest pose.
+        objects: Name -> (position (3,) [m], quaternion (4,)).
+        joints: Name of an articulated object's joint -> its value [rad or m].
+        contacts: The contacts of the frame, with forces [N].
+        clearance: Minimum distance of the people from static geometry [m]; inf: far.
+    """
+
+    frame: int
+    time: float
+    clock: float
+    poses: Mapping[str, Pose]
+    targets: Mapping[str, Pose]
+    tracking: Mapping[str, Tracking]
+    stamps: Mapping[str, Stamp]
+    objects: Mapping[str, tuple[Array, Array]]
+    joints: Mapping[str, Any]
+    contacts: Sequence[schema.Contact]
+    clearance: float
+
+
+def connect(url: str, *, token: str | None = None) -> LiveClient:
+    """Connect to a live session (`hp.serve`, `halfphysics serve`).
+
+    Args:
+        url: Its address, such as "ws://127.0.0.1:8765".
+        token: Its token, where it has one and the address does not hold it.
+
+    Raises:
+        FileError: Nothing answers there, or it refuses.
+        InputError: No address, or a server of another version.
+    """
+    return LiveClient(url, token=token)
+
+
+class LiveClient:
+    """A connection to a live session; see `connect`. Used by one thread; closed by `with`.
+
+    Attributes:
+        hello: The first message: people, statics, objects, fps.
+    """
+
+    hello: schema.Hello
+
+    def __init__(self, url: str, *, token: str | None = None) -> None:
+        headers = {"Authorization": f"Bearer {token}"} if token is not None else None
+        try:
+            self._connection = websocket.connect(
+                url,
+                subprotocols=[Subprotocol(schema.MSGPACK_PROTOCOL)],
+                additional_headers=headers,
+                compression=None,
+                max_size=_LARGEST,
+                open_timeout=_OPENS,
+                proxy=None,
+            )
+        except InvalidURI as error:
+            raise InputError(f"url: {error}; expected such as ws://127.0.0.1:8765") from None
+        except InvalidStatus as error:
+            said = (error.response.body or b"").decode("utf-8", "replace").strip()
+            raise FileError(f"{url}: refused ({said or error})") from None
+        except (OSError, InvalidHandshake) as error:
+            raise FileError(
+                f"{url}: nothing answers there ({error}). Start halfphysics serve"
+            ) from None
+        self._keys = itertools.count(1)
+        self._newest: LiveFrame | None = None
+        first = self._message(_OPENS)
+        if not isinstance(first, schema.Hello):
+            self.close()
+            raise InputError(f"{url}: expected a live session of version {schema.VERSION}")
+        self.hello = first
+
+    @property
+    def people(self) -> tuple[str, ...]:
+        """The people's names."""
+        return tuple(person.name for person in self.hello.people)
+
+    @property
+    def fps(self) -> float:
+        """Frames per second of the server."""
+        return self.hello.fps
+
+    def send(
+        self,
+        pose: Pose | Mapping[str, Pose],
+        *,
+        time: float | None = None,
+        tracked: Mapping[str, Any] | None = None,
+    ) -> None:
+        """Send the pose of the first person, or poses by name, which are stepped together.
+
+        Args:
+            pose: In the z-up world, with `axes` of the identity.
+            time: When it was measured, by your clock [s]; it comes back in `LiveFrame.stamps`.
+            tracked: Name of a person -> joints that are known (55,); None: all are.
+
+        Raises:
+            FileError: The connection was closed.
+            InputError: A pose with other axes.
+        """
+        poses = {self.people[0]: pose} if isinstance(pose, Pose) else pose
+        known = tracked or {}
+        people = {}
+        for name, one in poses.items():
+            if not np.array_equal(one.axes, np.eye(3)):
+                raise InputError(
+                    f"pose of {name!r}: found axes {one.axes.tolist()}, expected the identity: "
+                    "load the motion with Motion.rebased, or send poses in the z-up world"
+                )
+            flags = known.get(name)
+            people[name] = schema.PersonPose(
+                tuple(one.translation.tolist()),
+                [tuple(row) for row in one.rotations.tolist()],
+                None if flags is None else [bool(flag) for flag in flags],
+            )
+        self._put(schema.PoseMessage(people, time))
+
+    def receive(self, timeout: float | None = None) -> LiveFrame:
+        """The next frame.
+
+        Args:
+            timeout: How long to wait for it [s]; None: until it comes.
+
+        Raises:
+            TimeoutError: None came within that time.
+            FileError: The connection was closed.
+            InputError: The server refused something that was sent.
+        """
+        if self._newest is not None:
+            frame, self._newest = self._newest, None
+            return frame
+        ends = None if timeout is None else time.monotonic() + timeout
+        while True:
+            left = None if ends is None else max(ends - time.monotonic(), 0.0)
+            message = self._message(left)
+            if isinstance(message, schema.FrameMessage):
+                return _frame(message)
+            if isinstance(message, schema.ErrorMessage):
+                raise InputError(message.message)
+
+    def __iter__(self) -> Iterator[LiveFrame]:
+        """Frames until the connection is closed."""
+        while True:
+            try:
+                yield self.receive()
+            except FileError:
+                return
+
+    def edit(self, action: schema.Action) -> None:
+        """Change the scene: an action of `halfphysics.live.schema`, such as `Mass("ball", 2.0)`.
+
+        Raises:
+            InputError: The server refused it.
+            FileError: The connection was closed, or there was no answer within 10 s.
+        """
+        key = next(self._keys)
+        self._put(schema.Edit(action, key))
+        self._answered(key)
+
+    def subscribe(
+        self,
+        parts: Sequence[schema.Part] | None = None,
+        *,
+        people: Sequence[str] | None = None,
+        rate: float | None = None,
+    ) -> None:
+        """Choose what frames hold: see `schema.Subscribe`. Errors are those of `edit`."""
+        key = next(self._keys)
+        chosen = None if parts is None else list(parts)
+        self._put(
+            schema.Subscribe(chosen, None if people is None else list(people), rate, key)
+        )
+        self._answered(key)
+
+    def close(self) -> None:
+        """Close the connection."""
+        self._connection.close()
+
+    def __enter__(self) -> LiveClient:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    # -- inside --------------------------------------------------------------------------
+
+    def _put(self, message: Any) -> None:
+        try:
+            self._connection.send(schema.encode(message, True))
+        except ConnectionClosed as error:
+            raise _closed(error) from None
+
+    def _message(self, timeout: float | None) -> schema.FromServer:
+        try:
+            return schema.from_server(self._connection.recv(timeout))
+        except ConnectionClosed as error:
+            raise _closed(error) from None
+
+    def _answered(self, key: int) -> None:
+        """Wait for the answer; of the frames before it the newest is kept for `receive`."""
+        ends = time.monotonic() + _ANSWERS
+        while True:
+            try:
+                message = self._message(max(ends - time.monotonic(), 0.0))
+            except TimeoutError:
+                raise FileError(
+                    f"no answer within {_ANSWERS:g} s: the server is too busy or gone"
+                ) from None
+            if isinstance(message, schema.FrameMessage):
+                self._newest = _frame(message)
+            elif isinstance(message, schema.ErrorMessage) and message.id in (key, None):
+                raise InputError(message.message)
+            elif isinstance(message, schema.Done) and message.id == key:
+                return
+
+
+def _closed(error: ConnectionClosed) -> FileError:
+    said = error.rcvd.reason if error.rcvd is not None else ""
+    return FileError(f"the live session closed the connection{f' ({said})' if said else ''}")
+
+
+def _frame(message: schema.FrameMessage) -> LiveFrame:
+    poses, targets, tracking, stamps = {}, {}, {}, {}
+    for name, person in message.people.items():
+        tracking[name] = person.tracking
+        if person.stamp is not None:
+            its = person.stamp
+            stamps[name] = Stamp(its.sent, its.received, its.stepped)
+        if not isinstance(person.rotations, schema.UnsetType):
+            poses[name] = Pose(person.translation, person.rotations)  # type: ignore[arg-type]
+        if not isinstance(person.target_rotations, schema.UnsetType):
+            targets[name] = Pose(
+                person.target_translation,  # type: ignore[arg-type]
+                person.target_rotations,
+            )
+    objects = {} if isinstance(message.objects, schema.UnsetType) else message.objects
+    return LiveFrame(
+        frame=message.frame,
+        time=message.time,
+        clock=message.clock,
+        poses=poses,
+        targets=targets,
+        tracking=tracking,  # type: ignore[arg-type]
+        stamps=stamps,
+        objects={
+            name: (np.array(place.position), np.array(place.quaternion))
+            for name, place in objects.items()
+        },
+        joints={} if isinstance(message.joints, schema.UnsetType) else message.joints,
+        contacts=() if isinstance(message.contacts, schema.UnsetType) else message.contacts,
+        clearance=math.inf if message.clearance is None else message.clearance,
+    )

@@ -1,0 +1,118 @@
+"""Changes of a scene while it runs: what clients ask for, done between two steps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from halfphysics.errors import InputError
+from halfphysics.live import schema
+from halfphysics.scene.changed import changed
+from halfphysics.scene.item_spec import parse_object
+from halfphysics.simulation.dragging import Drag
+from halfphysics.simulation.live_edits import rebuilt
+from halfphysics.simulation.simulator import Simulator
+
+#: Most objects in a scene that clients add to.
+MOST_OBJECTS = 200
+#: Shapes that clients may add: files are never read for them.
+SHAPES = ("sphere", "box", "capsule", "cylinder")
+
+
+@dataclass
+class Editor:
+    """Carries out edits of one simulator; used by the thread that steps.
+
+    Attributes:
+        simulator: The simulator.
+        people: The people's names, as the simulator counts them.
+        drags: (client, name of the object) -> its drag.
+    """
+
+    simulator: Simulator
+    people: tuple[str, ...]
+    drags: dict[tuple[str, str], Drag] = field(default_factory=dict)
+
+    def do(self, action: schema.Action, source: str) -> bool:
+        """Carry out an action of a client.
+
+        Returns:
+            Whether the items of the scene are others now.
+
+        Raises:
+            HalfPhysicsError: It is impossible; nothing has changed.
+        """
+        match action:
+            case schema.Add():
+                self._add(action)
+            case schema.Remove(name=name):
+                self.simulator.remove_object(name)
+                self.drags = {key: drag for key, drag in self.drags.items() if key[1] != name}
+            case schema.Mass(name=name, value=value):
+                self._change({name: value}, {})
+            case schema.Friction(name=name, value=value):
+                self._change({}, {name: value})
+            case schema.Impulse(name=name, impulse=impulse, point=point):
+                self.simulator.apply_impulse(name, impulse, point)
+                return False
+            case schema.Stiffness(value=value, person=person):
+                self.simulator.set_stiffness(value, person=self._index(person))
+                return False
+            case schema.Drag():
+                self._drag(action, source)
+                return False
+        return True
+
+    def let_go(self, source: str) -> None:
+        """A client has gone: what it dragged is free."""
+        self.drags = {key: drag for key, drag in self.drags.items() if key[0] != source}
+
+    def pull(self) -> None:
+        """Set the velocities of what is dragged, for the next step."""
+        for drag in self.drags.values():
+            drag.pull(self.simulator, self.simulator.dt)
+
+    def _add(self, action: schema.Add) -> None:
+        if len(self.simulator.world.scene.objects) >= MOST_OBJECTS:
+            raise InputError(
+                f"add: found {MOST_OBJECTS} objects, expected fewer. Remove some first"
+            )
+        word = action.shape.partition(":")[0].strip()
+        if word not in SHAPES or "," in action.shape:
+            raise InputError(
+                f"add: found shape {action.shape!r}, expected one of {', '.join(SHAPES)} with its "
+                "sizes, such as box:0.4:0.3:0.2"
+            )
+        _, shape, _ = parse_object(f"new={action.shape},mass=1")
+        options = {"friction": action.friction, "restitution": action.restitution}
+        self.simulator.add_object(
+            action.name,
+            shape,
+            mass=action.mass,
+            position=action.position,
+            quaternion=action.quaternion,
+            velocity=action.velocity,
+            **{name: value for name, value in options.items() if value is not None},
+        )
+
+    def _change(self, masses: dict[str, float], frictions: dict[str, float]) -> None:
+        world = self.simulator.world
+        self.simulator.world = rebuilt(world, changed(world.scene, masses, frictions), True)
+
+    def _drag(self, action: schema.Drag, source: str) -> None:
+        key = (source, action.name)
+        if action.pointer is None:
+            self.drags.pop(key, None)
+        elif key in self.drags:
+            self.drags[key].follow(action.pointer)
+        else:
+            grip = action.pointer if action.grip is None else action.grip
+            self.drags[key] = Drag.begin(self.simulator, action.name, grip, action.pointer)
+
+    def _index(self, person: str | None) -> int | None:
+        if person is None:
+            return None
+        if person not in self.people:
+            raise InputError(
+                f"stiffness: found person {person!r}, expected one of {', '.join(self.people)}"
+            )
+        return self.people.index(person)

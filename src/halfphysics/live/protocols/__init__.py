@@ -1,0 +1,79 @@
+"""Other people's live protocols, both ways, one file each, by their names.
+
+A module has `PORT` and a function `receiver`, `sender` or both. It is imported when it is used.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from halfphysics.base.suggestions import did_you_mean
+from halfphysics.errors import InputError
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+    from halfphysics.live.incoming import Receiver, Sender
+    from halfphysics.live.protocols.endpoint import Endpoint
+
+#: Protocols that poses come in by -> what sends them. The modules of these names implement them.
+RECEIVERS: Mapping[str, str] = MappingProxyType(
+    {
+        "vmc": "VMC 3.1: VSeeFace, SlimeVR, VirtualMotionCapture, mocopi bridges, Unity, Blender",
+    }
+)
+#: Protocols that corrected poses go out by -> what receives them.
+SENDERS: Mapping[str, str] = MappingProxyType(
+    {
+        "vmc": "VMC 3.1: Unity, Unreal, Blender, Godot, VSeeFace, Warudo",
+    }
+)
+
+
+def receiver(
+    text: str, *, person: str, body: Body, calibrate: float | None = None
+) -> Receiver:
+    """A receiver by its name and where it listens: "vmc", "vmc:39539", "vmc:0.0.0.0:39539".
+
+    Args:
+        text: PROTOCOL, PROTOCOL:PORT or PROTOCOL:HOST:PORT. Without a host it is this machine's
+            loopback, which other machines do not reach.
+        person: Name of the person whose poses come.
+        body: The person's body: positions and proportions of the sender are fitted to it.
+        calibrate: Seconds after the first pose at which the person stands in a T-pose; None: the
+            sender's rest pose is as its protocol says.
+
+    Raises:
+        InputError: An unknown protocol, or one that poses do not come in by; no such address.
+        MissingDependencyError: The protocol needs a package that is not installed.
+    """
+    module, where = _module(text, RECEIVERS, "received")
+    found: Receiver = module.receiver(where, person, body, calibrate=calibrate)
+    return found
+
+
+def sender(text: str, *, person: str, body: Body) -> Sender:
+    """A sender by its name and where it sends to: "vmc:127.0.0.1:39539"; see `receiver`."""
+    module, where = _module(text, SENDERS, "sent")
+    found: Sender = module.sender(where, person, body)
+    return found
+
+
+def endpoint_of(text: str) -> Endpoint:
+    """Where "vmc:HOST:PORT" leads, with the protocol's own port where none is given."""
+    return _module(text, {**RECEIVERS, **SENDERS}, "known")[1]
+
+
+def _module(text: str, known: Mapping[str, str], done: str) -> tuple[Any, Endpoint]:
+    from halfphysics.live.protocols.endpoint import endpoint
+
+    name = text.partition(":")[0]
+    if name not in known:
+        hint = did_you_mean(name, known, otherwise=".")
+        raise InputError(
+            f"protocol {name!r} is not {done}{hint} Expected one of {', '.join(known)}"
+        )
+    module: Any = importlib.import_module(f"{__name__}.{name}")
+    return module, endpoint(text, module.PORT)

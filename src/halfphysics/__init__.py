@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from halfphysics.formats.library import clips
     from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
     from halfphysics.judging.judge import judge
+    from halfphysics.live.client import connect
+    from halfphysics.live.serve import serve
     from halfphysics.motion.motion import Motion
     from halfphysics.motion.pose import Pose
     from halfphysics.motion.skeleton import JOINT_NAMES
@@ -64,6 +66,7 @@ __all__ = [
     "baselines",
     "clips",
     "compile_world",
+    "connect",
     "errors",
     "export",
     "fix",
@@ -72,6 +75,7 @@ __all__ = [
     "metrics",
     "progress",
     "scenarios",
+    "serve",
     "simulate",
     "simulate_many",
     "support",
@@ -106,11 +110,13 @@ _FROM: dict[str, str | None] = {
     "attach": "mujoco.hosted",
     "clips": "formats.library",
     "compile_world": "simulation.compile_world",
+    "connect": "live.client",
     "export": "writers",
     "fix": "repair.repair",
     "judge": "judging.judge",
     "load_sequence": "formats.registry",
     "progress": "base.progress",
+    "serve": "live.serve",
     "simulate": "simulation.simulate",
     "simulate_many": "simulation.simulate_many",
     "view": "viewer.view",

@@ -70,6 +70,8 @@ class Command:
             motion = what.motions[0] if isinstance(what, Sequence) else what.motion
             with self._rate_said():
                 export(what, self.target, body=self._body(motion, None), fps=self.to_fps)
+        elif self._finishes():
+            motion = _finished(self.source, self.target)
         else:
             if result is None or read_otherwise:
                 motion = self.motion_file.load(self.source)
@@ -87,6 +89,13 @@ class Command:
             f"{len(motion)} frames at {motion.fps:g} fps, {motion.model} {motion.gender}\n"
             f"written: {self.target}"
         )
+
+    def _finishes(self) -> bool:
+        """Whether a live recording that was cut off is to become a result file."""
+        from halfphysics.formats.results.unfinished import is_unfinished
+
+        plain = self.target.suffix == ".npz" and self.format is None and self.to_fps is None
+        return plain and is_unfinished(self.source)
 
     @contextlib.contextmanager
     def _rate_said(self) -> Iterator[None]:
@@ -108,3 +117,12 @@ class Command:
         metadata = motion.origin
         retargeted = metadata is not None and bool(metadata.fields.get(DEFAULT_BODY))
         return self.person.load(motion) if said or needed or retargeted else None
+
+
+def _finished(source: Path, target: Path) -> Motion:
+    """Write the result of a live recording that was cut off; returns its first motion."""
+    from halfphysics.results.result import Result
+
+    result = Result.load(source)
+    result.save(target)
+    return result.motion

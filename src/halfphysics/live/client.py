@@ -219,9 +219,7 @@ class LiveClient:
         """Choose what frames hold: see `schema.Subscribe`. Errors are those of `edit`."""
         key = next(self._keys)
         chosen = None if parts is None else list(parts)
-        self._put(
-            schema.Subscribe(chosen, None if people is None else list(people), rate, key)
-        )
+        self._put(schema.Subscribe(chosen, None if people is None else list(people), rate, key))
         self._answered(key)
 
     def ping(self) -> tuple[float, float]:

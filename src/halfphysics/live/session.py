@@ -58,7 +58,7 @@ class Session:
     Args:
         scene: Statics and objects; None: an empty one.
         body: The body of the person, or a sequence, one each.
-        start: The people's first poses; None: they stand beside each other.
+        start: The first people's first poses; the others stand beside each other.
         settings: See `Settings`.
         fps: Steps per second.
         now: The server's clock [s].
@@ -93,7 +93,8 @@ class Session:
         standing = [
             stance(person.body, world.scene, y=_APART * i) for i, person in enumerate(world.people)
         ]
-        poses = standing if start is None else list(start)
+        given = list(start or ())[: len(standing)]
+        poses = [*given, *standing[len(given) :]]
         first = self.simulator.reset(poses)
         self.now = now
         self.mailbox = Mailbox(self.people, now)

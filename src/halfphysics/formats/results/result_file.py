@@ -37,6 +37,7 @@ from halfphysics.formats.results.keys import (
     VERSION_KEY,
     person_prefix,
 )
+from halfphysics.formats.results.unfinished import is_unfinished, load_unfinished
 from halfphysics.motion.adapted_hold import AdaptedHold
 from halfphysics.motion.motion import Motion
 from halfphysics.results.contacts import Contacts
@@ -66,6 +67,8 @@ def is_result(path: str | os.PathLike[str]) -> bool:
     try:
         if not Path(path).is_file():  # opening a pipe would wait for a writer
             return False
+        if is_unfinished(path):
+            return True
         with Path(path).open("rb") as handle:
             if handle.read(2) != b"PK":
                 return False
@@ -93,6 +96,10 @@ def load_result(
             head = handle.read(2)
     except OSError as error:
         raise FileError(f"{path}: cannot read: {error.strerror}") from None
+    if is_unfinished(path):
+        result = load_unfinished(path)
+        clock.done("loaded the unfinished %s: %r", path, result)
+        return _replaced(result, scene, body)
     if head != b"PK":
         raise FileError(f"{path}: not an .npz archive, expected a result file (Result.save)")
     npz = Npz(path)
@@ -120,6 +127,16 @@ def load_result(
         return result
     except InputError as error:
         raise FileError(f"{path}: {error}") from None
+
+
+def _replaced(result: Result, scene: Scene | None, body: Any) -> Result:
+    """The result with another scene and other bodies, where they are given."""
+    if body is not None:
+        bodies = _given(body, len(result.people))
+        people = zip(result.people, bodies, strict=True)
+        new = tuple(dataclasses.replace(person, body=one) for person, one in people)
+        result = dataclasses.replace(result, people=new)
+    return result if scene is None else dataclasses.replace(result, scene=scene)
 
 
 def _check_scene(scene: Any) -> None:

@@ -1,0 +1,177 @@
+"""`hp.serve`: a live session with its server, its protocols and its recording."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+from halfphysics.base.validation import is_whole, number
+from halfphysics.errors import InputError
+from halfphysics.live.latency import Latency
+from halfphysics.live.pages import pages
+from halfphysics.live.recording import Recorder
+from halfphysics.live.safety import Gate, token_for
+from halfphysics.live.server import Server
+from halfphysics.live.session import Session
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+    from halfphysics.live.incoming import Receiver, Sender
+    from halfphysics.motion.pose import Pose
+    from halfphysics.scene.scene import Scene
+    from halfphysics.settings import Settings
+
+#: The port that clients try first.
+PORT = 8765
+#: Smallest and largest number of steps per second.
+RATES = (10.0, 1000.0)
+
+
+def serve(
+    scene: Scene | None = None,
+    *,
+    body: Body | Sequence[Body] | None = None,
+    start: Sequence[Pose] | None = None,
+    settings: Settings | None = None,
+    fps: float = 90.0,
+    host: str = "127.0.0.1",
+    port: int = PORT,
+    token: str | None = None,
+    origins: Sequence[str] = (),
+    record: str | os.PathLike[str] | None = None,
+    listen: Sequence[str] = (),
+    forward: Sequence[str] = (),
+) -> LiveServer:
+    """Serve a scene in real time: poses in, corrected poses, objects and contacts out.
+
+    Args:
+        scene: Statics and objects; None: an empty one.
+        body: The body of the person, or a sequence, one each; None: `Body.default()`.
+        start: The first people's first poses; the others stand beside each other.
+        settings: See `Settings`.
+        fps: Steps per second.
+        host: Address to listen on; beyond this machine's loopback clients need a token.
+        port: Port to listen on; 0: any that is free.
+        token: What clients must give; None: nothing on the loopback, else a new one.
+        origins: Origins of web pages of other servers that may connect.
+        record: Result file to write when the server stops; see docs/live.md.
+        listen: Protocols that poses come in by as well, such as "vmc:39539"; the first is the
+            first person's, and so on.
+        forward: Protocols that corrected poses go out by, such as "vmc:127.0.0.1:39540", likewise.
+
+    Returns:
+        `LiveServer`, which runs until `stop` or the end of a `with` block.
+
+    Raises:
+        InputError: An impossible value.
+        FileError: The port is in use, or the recording cannot be written.
+        MissingDependencyError: A protocol needs a package that is not installed.
+    """
+    fps = number(fps, "fps", least=RATES[0], most=RATES[1])
+    if not is_whole(port, least=0) or port > 65535:
+        raise InputError(f"port: found {port!r}, expected a whole number from 0 to 65535")
+    gate = Gate(host, token_for(host, token), tuple(origins))
+    session = Session(scene, body=body, start=start, settings=settings, fps=fps)
+    recorder = None if record is None else Recorder(Path(record), session.simulator)
+    return LiveServer(session, gate, port, recorder, listen, forward)
+
+
+class LiveServer:
+    """A live session that is served; made by `serve`.
+
+    Attributes:
+        session: The session.
+        server: Its WebSocket server.
+        latency: How long poses took from their arrival to the step.
+        recorder: The recording; None: there is none.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        gate: Gate,
+        port: int,
+        recorder: Recorder | None = None,
+        listen: Sequence[str] = (),
+        forward: Sequence[str] = (),
+    ) -> None:
+        self.session, self.recorder = session, recorder
+        self.server = Server(session, gate, port, pages())
+        self.latency = Latency()
+        self._gate = gate
+        self._running = contextlib.ExitStack()
+        with contextlib.ExitStack() as started:
+            if recorder is not None:
+                started.callback(recorder.close)
+                session.listen(recorder.add)
+            session.listen(self.latency.add)
+            self.server.start()
+            started.callback(self.server.stop)
+            for sender in self._senders(forward):
+                session.listen(sender.send)
+                started.callback(sender.stop)
+            for receiver in self._receivers(listen):
+                receiver.start(session.deliver)
+                started.callback(receiver.stop)
+            session.start()
+            started.callback(session.stop)
+            self._running = started.pop_all()
+
+    @property
+    def url(self) -> str:
+        """Address for clients on this machine, with the token."""
+        host = self._gate.host
+        host = "127.0.0.1" if host in ("", "0.0.0.0", "::") else host
+        name = f"[{host}]" if ":" in host else host
+        query = "" if self._gate.token is None else f"/?token={self._gate.token}"
+        return f"ws://{name}:{self.server.port}{query}"
+
+    @property
+    def running(self) -> bool:
+        """Whether it serves."""
+        return self.session.running
+
+    def stop(self) -> None:
+        """End it: poses are no longer taken, clients are disconnected, the recording is written."""
+        self._running.close()
+
+    def __enter__(self) -> LiveServer:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.stop()
+
+    def __repr__(self) -> str:
+        state = f"at {self.url}" if self.running else "stopped"
+        return f"LiveServer({len(self.session.people)} people, {state})"
+
+    def _receivers(self, texts: Sequence[str]) -> list[Receiver]:
+        from halfphysics.live import protocols
+
+        self._enough(texts, "listen")
+        people = zip(texts, self.session.people, self.session.simulator.bodies, strict=False)
+        return [protocols.receiver(text, person=name, body=body) for text, name, body in people]
+
+    def _senders(self, texts: Sequence[str]) -> list[Sender]:
+        from halfphysics.live import protocols
+
+        self._enough(texts, "forward")
+        people = zip(texts, self.session.people, self.session.simulator.bodies, strict=False)
+        return [protocols.sender(text, person=name, body=body) for text, name, body in people]
+
+    def _enough(self, texts: Sequence[str], what: str) -> None:
+        people = len(self.session.people)
+        if len(texts) > people:
+            raise InputError(
+                f"{what}: found {len(texts)} protocols for {people} people, expected at most one "
+                "for each. Give more people"
+            )

@@ -39,7 +39,7 @@ def frames(browser, least):
 
 
 def test_the_server_sends_the_page_which_shows_the_session(server, browser):
-    browser.open(f"http://127.0.0.1:{server.port}/")
+    browser.open(f"http://127.0.0.1:{server.server.port}/")
     frames(browser, 30)
     browser.until(lambda: "of 30 frames/s" in browser.page.text_content("#rate"), 10)
     browser.until(lambda: browser.page.text_content("#late").endswith("ms"), 10)
@@ -57,8 +57,13 @@ def test_the_server_sends_the_page_which_shows_the_session(server, browser):
 
 def test_the_ball_is_dragged(server, browser):
     ball = "live.frame.objects.ball.position"
-    browser.evaluate(f"(live.camera.distance = 12, live.camera.target = {ball}.slice())")
-    x, y = browser.evaluate(f"(() => {{ const p = live.camera.project({ball}); return [p.x, p.y]; }})()")
+    browser.evaluate(
+        f"(live.camera.following = false, live.camera.distance = 12, "
+        f"live.camera.target = {ball}.slice())"
+    )
+    x, y = browser.evaluate(
+        f"(() => {{ const p = live.camera.project({ball}); return [p.x, p.y]; }})()"
+    )
     before = browser.evaluate(ball)
     mouse = browser.page.mouse
     mouse.move(x, y)
@@ -71,6 +76,6 @@ def test_the_ball_is_dragged(server, browser):
 
 
 def test_the_page_from_disk(server, browser):
-    browser.open(f"{PAGE.as_uri()}?server=ws://127.0.0.1:{server.port}")
+    browser.open(f"{PAGE.as_uri()}?server=ws://127.0.0.1:{server.server.port}")
     frames(browser, 10)
     assert browser.page.text_content("#said") == ""

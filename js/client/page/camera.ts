@@ -19,6 +19,8 @@ export class Camera {
   angle = 0.9;
   height = 0.25;
   distance = 5.5;
+  /** The target goes along with the people. */
+  following = true;
   width = 1;
   pixels = 1;
 

@@ -131,7 +131,7 @@ addEventListener("resize", () => (fresh = true));
 /** The camera goes along with the first person who is seen. */
 function follow(hello: Hello): void {
   const person = hello.people.find(({ name }) => frame?.people[name]?.translation);
-  if (!person) return;
+  if (!person || !camera.following) return;
   const place = add(frame!.people[person.name]!.translation!, person.joints[0]!);
   camera.target = add(camera.target, add([place[0], place[1], 0.9], camera.target, -1), 0.1);
 }

@@ -47,7 +47,7 @@ LAYERS = {
     "scenarios": "errors base motion geometry body scene settings simulation",
     "viewer": (
         "errors base motion geometry body settings scene results support simulation formats render "
-        "labels scenarios"
+        "labels scenarios live"
     ),
     "sweep": (
         "errors base motion geometry body settings scene results simulation baselines formats "

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from halfphysics.base.short_repr import counted
 from halfphysics.viewer.panel.controls import write
 from halfphysics.viewer.server import icon
 
@@ -96,7 +97,7 @@ class LivePanel:
             lines.append(f"{person.name}: {frame.tracking.get(person.name, 'live')}{skin}")
         if frame.contacts:
             force = float(np.linalg.norm([c.force for c in frame.contacts], axis=1).sum())
-            lines.append(f"{len(frame.contacts)} contacts, {force:.0f} N")
+            lines.append(f"{counted(len(frame.contacts), 'contact')}, {force:.0f} N")
         return lines
 
     def _follow_now(self) -> None:

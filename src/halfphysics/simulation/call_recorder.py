@@ -102,6 +102,6 @@ def _stored(name: str, value: Any) -> NDArray[Any] | str:
     """An argument as world files have it."""
     if isinstance(value, str):
         return value
-    array = np.asarray(value)
+    array = np.asarray(value, dtype=np.int32 if isinstance(value, list) else None)
     whole = array.dtype.kind in "iub" and name not in _REAL
     return np.ascontiguousarray(array, dtype=np.int32 if whole else np.float64).reshape(array.shape)

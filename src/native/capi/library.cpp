@@ -12,24 +12,65 @@ using namespace hp::capi;
 
 namespace {
 
-constexpr const char* kJointNames[HP_JOINTS] = {
-    "pelvis",        "left_hip",       "right_hip",    "spine1",
-    "left_knee",     "right_knee",     "spine2",       "left_ankle",
-    "right_ankle",   "spine3",         "left_foot",    "right_foot",
-    "neck",          "left_collar",    "right_collar", "head",
-    "left_shoulder", "right_shoulder", "left_elbow",   "right_elbow",
-    "left_wrist",    "right_wrist",    "jaw",          "left_eye",
-    "right_eye",     "left_index1",    "left_index2",  "left_index3",
-    "left_middle1",  "left_middle2",   "left_middle3", "left_pinky1",
-    "left_pinky2",   "left_pinky3",    "left_ring1",   "left_ring2",
-    "left_ring3",    "left_thumb1",    "left_thumb2",  "left_thumb3",
-    "right_index1",  "right_index2",   "right_index3", "right_middle1",
-    "right_middle2", "right_middle3",  "right_pinky1", "right_pinky2",
-    "right_pinky3",  "right_ring1",    "right_ring2",  "right_ring3",
-    "right_thumb1",  "right_thumb2",   "right_thumb3"};
+constexpr const char* kJointNames[HP_JOINTS] = {"pelvis",
+                                                "left_hip",
+                                                "right_hip",
+                                                "spine1",
+                                                "left_knee",
+                                                "right_knee",
+                                                "spine2",
+                                                "left_ankle",
+                                                "right_ankle",
+                                                "spine3",
+                                                "left_foot",
+                                                "right_foot",
+                                                "neck",
+                                                "left_collar",
+                                                "right_collar",
+                                                "head",
+                                                "left_shoulder",
+                                                "right_shoulder",
+                                                "left_elbow",
+                                                "right_elbow",
+                                                "left_wrist",
+                                                "right_wrist",
+                                                "jaw",
+                                                "left_eye_smplhf",
+                                                "right_eye_smplhf",
+                                                "left_index1",
+                                                "left_index2",
+                                                "left_index3",
+                                                "left_middle1",
+                                                "left_middle2",
+                                                "left_middle3",
+                                                "left_pinky1",
+                                                "left_pinky2",
+                                                "left_pinky3",
+                                                "left_ring1",
+                                                "left_ring2",
+                                                "left_ring3",
+                                                "left_thumb1",
+                                                "left_thumb2",
+                                                "left_thumb3",
+                                                "right_index1",
+                                                "right_index2",
+                                                "right_index3",
+                                                "right_middle1",
+                                                "right_middle2",
+                                                "right_middle3",
+                                                "right_pinky1",
+                                                "right_pinky2",
+                                                "right_pinky3",
+                                                "right_ring1",
+                                                "right_ring2",
+                                                "right_ring3",
+                                                "right_thumb1",
+                                                "right_thumb2",
+                                                "right_thumb3"};
 
 thread_local char last_error[1024] = "";
 
+#ifndef __EMSCRIPTEN__  // there are no files in a browser
 std::vector<unsigned char> content(const char* path) {
   need(path != nullptr, HP_BAD_ARGUMENT, "hp_world_open: the path is NULL");
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path, "rb"), &std::fclose);
@@ -41,6 +82,7 @@ std::vector<unsigned char> content(const char* path) {
   need(!std::ferror(file.get()), HP_BAD_FILE, std::string(path) + ": cannot read it to its end");
   return bytes;
 }
+#endif
 
 std::unique_ptr<hp_world> made(const void* bytes, size_t size) {
   auto world = std::make_unique<hp_world>();
@@ -85,6 +127,7 @@ hp_world* hp_world_load(const void* bytes, size_t size) {
   return world.release();
 }
 
+#ifndef __EMSCRIPTEN__
 hp_world* hp_world_open(const char* path) {
   std::unique_ptr<hp_world> world;
   guarded(
@@ -95,6 +138,7 @@ hp_world* hp_world_open(const char* path) {
       HP_BAD_FILE);
   return world.release();
 }
+#endif
 
 void hp_world_free(hp_world* world) { delete world; }
 

@@ -58,7 +58,7 @@ def play_data(
         "ghostAlpha": GHOST_ALPHA,
         "subject": SUBJECT,
         "kinds": [_kind(kind, contacts) for kind in contacts.points],
-        "people": [_person(stage, k, simulator) for k in range(len(motions))],
+        "people": [_person(stage, k, motion) for k, motion in enumerate(motions)],
         "objects": [_object(stage, simulator, name) for name in stage.drawing.objects],
         "statics": len(world.scene.statics),
         "persons": len(world.names) - len(world.people),
@@ -86,13 +86,14 @@ def _kind(kind: int, contacts: ContactNodes) -> dict[str, Any]:
     }
 
 
-def _person(stage: Stage, k: int, simulator: Simulator) -> dict[str, Any]:
+def _person(stage: Stage, k: int, motion: Motion) -> dict[str, Any]:
     """A person: rest joints, and which joints move which piece of the skin."""
-    body = simulator.bodies[k]
+    body = stage.people[k].body
+    rest = np.asarray(body.rest_joints)
     ghost = [{**piece, "of": PARTS[name]} for name, piece in _pieces(stage.ghosts[k]).items()]
     return {
-        "name": simulator.world.people[k].name,
-        "rest": np.asarray(body.rest_joints).tolist(),
+        "rest": rest.tolist(),
+        "pelvis": (np.asarray(motion.axes) @ rest[0]).tolist(),
         "tips": np.round(Separation(body).tips, 5).tolist(),
         "pieces": list(_pieces(stage.people[k]).values()),
         "ghost": ghost,

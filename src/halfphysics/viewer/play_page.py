@@ -16,7 +16,7 @@ from halfphysics.simulation.simulator import Simulator
 from halfphysics.viewer.arrange import Arrangement, arrange
 from halfphysics.viewer.coloring import RAMP
 from halfphysics.viewer.contacts import ContactNodes, FrameContacts, Ints
-from halfphysics.viewer.core_files import core_script, world_data
+from halfphysics.viewer.core_files import compiled_world, core_program, core_script
 from halfphysics.viewer.page import assembled, quiet_server
 from halfphysics.viewer.page_data import camera_data, layer_data
 from halfphysics.viewer.page_key import key
@@ -105,7 +105,11 @@ def save_play_page(
             "layers": _layers(stage),
             "key": key([drawing], list(contacts.points), notes=notes),
             "dropText": "A page with physics takes no files.",
-            "play": {**play_data(simulator, motions, stage, contacts), **world_data(simulator)},
+            "play": {
+                **play_data(simulator, motions, stage, contacts),
+                "wasm": core_program(),
+                "world": compiled_world(simulator, motions),
+            },
         }
         page = assembled(scene, play_head(data, core_script()), title, [drawing], row)
         file.write(page.encode("utf-8"))

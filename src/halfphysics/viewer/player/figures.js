@@ -14,7 +14,7 @@ function posed(person, translation, rotations) {
     const own = quaternion(rotations[3 * j], rotations[3 * j + 1], rotations[3 * j + 2]);
     const parent = parents[j];
     if (parent < 0) {
-      out.push([add(person.rest[0], translation), own]);
+      out.push([add(person.pelvis, translation), own]);
       continue;
     }
     const [place, turn] = out[parent];

@@ -26,7 +26,7 @@ class Physics {
 
   /** Puts everybody at the first pose and objects at their start. */
   restart() {
-    this.world.reset(...this.pose(0));
+    this.world.reset(this.pose(0));
     this.putStiffness(); // the core forgets it
     Object.assign(this, { index: 0, made: 0, times: [], due: -Infinity, seconds: 0 });
     this.read();
@@ -39,7 +39,7 @@ class Physics {
     if (!this.hold) this.index = Math.min(this.index + 1, this.frames - 1);
     this.before(dt);
     const start = performance.now();
-    this.world.step(...this.pose(this.index), dt);
+    this.world.step(this.pose(this.index), dt);
     const took = (performance.now() - start) / 1000;
     this.seconds += 0.1 * (took - this.seconds);
     this.made += 1;
@@ -51,13 +51,15 @@ class Physics {
     this.changes += 1;
   }
 
-  /** What people are driven to at a frame: translations (people x 3), rotations (people x 55 x 3). */
+  /** What people are driven to at a frame, of each: translation (3), rotations (55 x 3). */
   pose(frame) {
-    const row = (values) => {
-      const size = values.length / this.frames;
-      return values.subarray(size * frame, size * (frame + 1));
+    const people = this.play.people.length;
+    const row = (values, k) => {
+      const size = values.length / (this.frames * people);
+      return values.subarray(size * (frame * people + k), size * (frame * people + k + 1));
     };
-    return [row(this.translations), row(this.rotations)];
+    return this.play.people.map((_, k) =>
+      ({ translation: row(this.translations, k), rotations: row(this.rotations, k) }));
   }
 
   /** World frames of the joints of a person now: [place, turn] of each. */
@@ -68,10 +70,8 @@ class Physics {
 
   /** The same of the reference. */
   reference(k) {
-    const [translations, rotations] = this.pose(this.index);
-    const count = 3 * this.play.parents.length;
-    return posed(this.play.people[k], [...translations.subarray(3 * k, 3 * k + 3)],
-      rotations.subarray(count * k, count * (k + 1)));
+    const { translation, rotations } = this.pose(this.index)[k];
+    return posed(this.play.people[k], translation, rotations);
   }
 
   /** [place, turn] of a body of the core. */
@@ -90,13 +90,13 @@ class Physics {
     const { statics, persons } = this.play;
     const kindOf = ({ person, other }) =>
       person < 0 ? 3 : other < statics ? 0 : other < persons ? 1 : 2; // KINDS of viewer/contacts.py
-    return this.world.contacts().map((one) => ({ ...one, kind: kindOf(one),
-      position: [...one.position], force: [...one.force] }));
+    return this.world.contacts().map((one) => ({ ...one, kind: kindOf(one) }));
   }
 
   /** Velocity of an object's origin [m/s] and angular velocity [rad/s], in the world. */
   velocity(object) {
-    return this.world.velocity(object.name);
+    const { velocity, angularVelocity } = this.world.velocity(object.name);
+    return { linear: [...velocity], angular: [...angularVelocity] };
   }
 
   setVelocity(object, linear, angular) {

@@ -25,6 +25,7 @@ from halfphysics.viewer.player_script import play_head
 from halfphysics.viewer.provisional import provisional
 from halfphysics.viewer.session import bodies_of
 from halfphysics.viewer.stage import Stage, aim, light, middle
+from halfphysics.viewer.whereabouts import goes_far, track
 
 if TYPE_CHECKING:
     from halfphysics.simulation.sequence import Sequence
@@ -98,6 +99,7 @@ def save_play_page(
         stage, contacts, scene = _scene(server, drawing, row, simulator)
         data = {
             **camera_data([stage], row, _FIRST),
+            "follow": goes_far(track([drawing], row.offsets, range(len(drawing)))),
             "title": title,
             "fps": motions[0].fps,
             "ramp": [list(color) for color in RAMP],

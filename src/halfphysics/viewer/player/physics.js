@@ -1,7 +1,9 @@
 // The simulation of a page: the core in WebAssembly, stepped at the motion's own rate. It is the clock of
-// the bar, too. A slow machine plays in slow motion; no delay accumulates.
+// the bar, too. Where drawing is slow, several frames are made per picture; where physics is slow, it is
+// slow motion, and no delay accumulates.
 
-const MOST_STEPS = 4; // of a tick: a motion faster than the screen
+const DEBT = 1000; // a longer delay is not made up for [ms]
+const BUDGET = 60; // physics per picture, or as long as all else takes [ms]
 const WINDOW = 60; // frames that the pace covers
 
 class Physics {
@@ -13,10 +15,14 @@ class Physics {
     return new Physics(core.world(world), play, translations, rotations);
   }
 
+  /**
+   * Attributes: `index`: the frame of the reference; `made`: frames since the start; `bodies`: of the core, 7 numbers
+   * each; `contacts`: of the last frame, of the core with their `kind`; `changes`: how often these are new.
+   */
   constructor(world, play, translations, rotations) {
     Object.assign(this, { world, play, translations, rotations, frames: play.frames, fps: play.fps });
     Object.assign(this, { playing: false, speed: 1, loop: true, hold: false, live: true });
-    this.before = () => {};
+    this.before = this.after = () => {}; // called before a frame with its length [s], and after it
     this.changes = 0;
     this.turned = this.owned();
     this.restart();
@@ -48,7 +54,16 @@ class Physics {
 
   read() {
     this.bodies = this.world.bodies();
+    this.contacts = this.world.contacts().map((one) => ({ ...one, kind: this.kindOf(one) }));
     this.changes += 1;
+    this.after();
+  }
+
+  /** The kind of a contact, an index into KINDS of viewer/contacts.py. */
+  kindOf({ person, other }) {
+    if (person < 0) return 3;
+    if (other >= this.play.persons) return 2;
+    return other < this.play.statics ? 0 : 1;
   }
 
   /** What people are driven to at a frame, of each: translation (3), rotations (55 x 3). */
@@ -83,14 +98,6 @@ class Physics {
   /** Position and quaternion of an object. */
   place(object) {
     return this.frame(object.body);
-  }
-
-  /** The contacts of the last frame: [{person, part, kind, position, force}], force [N] on the part. */
-  contacts() {
-    const { statics, persons } = this.play;
-    const kindOf = ({ person, other }) =>
-      person < 0 ? 3 : other < statics ? 0 : other < persons ? 1 : 2; // KINDS of viewer/contacts.py
-    return this.world.contacts().map((one) => ({ ...one, kind: kindOf(one) }));
   }
 
   /** Velocity of an object's origin [m/s] and angular velocity [rad/s], in the world. */
@@ -151,15 +158,18 @@ class Physics {
       return;
     }
     const period = 1000 / (this.fps * this.speed);
-    for (let k = 0; k < MOST_STEPS; k++) {
-      const now = performance.now();
-      if (now < this.due - 1) return;
-      // A delay below one frame is made up for; a longer one is not.
-      this.due = (this.due === -Infinity ? now : Math.max(this.due, now - period)) + period;
+    const begun = performance.now();
+    const budget = Math.max(BUDGET, begun - (this.ended ?? begun));
+    if (this.due === -Infinity) this.due = begun;
+    this.due = Math.max(this.due, begun - DEBT);
+    for (let now = begun; now >= this.due - 1 && now < begun + budget; now = performance.now()) {
+      this.due += period;
       this.times.push([now, period]);
       if (this.times.length > WINDOW) this.times.shift();
       this.make();
+      if (!this.index) break; // at the start again: one picture of it
     }
+    this.ended = performance.now();
   }
 
   /** The pace in words. */

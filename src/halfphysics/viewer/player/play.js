@@ -69,6 +69,7 @@ async function startPlay(packed) {
     const figures = play.people.map((person) => new FigureNodes(person));
     const pointer = new Pointer(physics, play.objects.filter((one) => one.free));
     physics.before = (dt) => pointer.pull(dt);
+    physics.after = () => marks.add(physics.index, physics.contacts);
     const follow = () => {
       cameras.follow(1);
       panel.follow.classList.toggle("hp-on", cameras.following);
@@ -101,7 +102,7 @@ async function startPlay(packed) {
     let marked = 0;
 
     function show() {
-      const contacts = physics.contacts();
+      const { contacts } = physics;
       const people = play.people.map((_, k) => physics.joints(k));
       people.forEach((frames, k) => figures[k].show(frames, physics.reference(k)));
       for (const object of play.objects) placed(object.node, physics.place(object));
@@ -113,7 +114,6 @@ async function startPlay(packed) {
       people.forEach((frames, k) => paint.show(data.people[k], contacts
         .filter((one) => one.person === k && Math.hypot(...one.force) >= 1)
         .map((one) => atRest(play.people[k], frames, one))));
-      marks.add(physics.index, contacts);
       redraw();
     }
 

@@ -14,9 +14,9 @@ HEAVY = ("mujoco", "trimesh", "viser", "scipy", "tyro", "yaml", "PIL")
 
 NAMES = """
 JOINT_NAMES Body Box Capsule Cylinder HalfPhysicsError HalfPhysicsWarning Mesh Motion Plane Pose
-Result Scene Sequence Settings Simulator Sphere __version__ attach baselines clips errors export
-adapt fix judge load_sequence metrics progress scenarios simulate simulate_many support
-view
+Result Scene Sequence Settings Simulator Sphere __version__ attach baselines clips connect errors
+export adapt fix judge load_sequence metrics progress scenarios serve simulate simulate_many
+support view
 """
 
 SETTINGS = (
@@ -38,7 +38,7 @@ PARAMETERS = {
     "Motion.save": "self path format * body",
     "Motion.rebased": "self body up",
     "clips": "path",
-    "export": "what path * body fps",
+    "export": "what path * body fps colliders",
     "adapt": "motion scene body recorded * settings grip others",
     "load_sequence": "path assets * objects adapt grip ground fps up hands model gender frames "
     "clip floor",
@@ -60,6 +60,8 @@ PARAMETERS = {
     "Scene.add_articulated": "self name source * position quaternion friction restitution joints "
     "velocities",
     "Scene.ray": "self origin direction * ignore",
+    "serve": "scene * body start settings fps host port token origins record listen forward",
+    "connect": "url * token",
     "Simulator.ray": "self origin direction * ignore",
     "Scene.friction": "self a b mu",
     "Scene.ignore": "self a b",

@@ -45,6 +45,10 @@ LAYERS = {
     "labels": "errors base motion geometry body scene results metrics _native",
     "mujoco": "errors base motion geometry body settings scene simulation _native",
     "scenarios": "errors base motion geometry body scene settings simulation",
+    "live": (
+        "errors base motion geometry body settings scene results simulation baselines formats "
+        "__version__"
+    ),
     "viewer": (
         "errors base motion geometry body settings scene results support simulation formats render "
         "labels scenarios live"
@@ -59,7 +63,7 @@ LAYERS = {
     ),
     "cli": (
         "errors base motion body settings scene results simulation metrics baselines repair "
-        "formats judging render writers scenarios viewer sweep bench __version__"
+        "formats judging render writers scenarios live viewer sweep bench __version__"
     ),
 }
 
@@ -77,6 +81,7 @@ SUBFOLDERS = {
         "results": "amass",
         "video": "skeletons positions",
     },
+    "live": {"protocols": ""},
     "render": {"film": ""},
     "scenarios": {"acting": "", "props": "acting", "stories": "acting props"},
     "sweep": {

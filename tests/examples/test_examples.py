@@ -85,3 +85,38 @@ def test_first_steps_in_a_notebook(tmp_path, monkeypatch, capsys):
     assert names["before"].depth_max_mm > 10.0
     assert names["after"].depth_max_mm == 0.0
     assert (tmp_path / "result.glb").is_file()
+
+
+def test_ros2_messages(tmp_path):
+    """Read back by rosbags, an implementation of CDR and of these messages of its own."""
+    typesys = pytest.importorskip("rosbags.typesys")
+    from support.results import takes
+
+    store = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
+    names = example("10_ros2_messages.py")
+    result = takes.result(1)
+    (person,) = result.people
+    topics = names["messages"](result, 7)
+    tf, joints, markers = topics["tf"], topics["joint_states"], topics[f"markers_{person.name}"]
+    found = store.deserialize_cdr(tf, "tf2_msgs/msg/TFMessage")
+    assert store.serialize_cdr(found, "tf2_msgs/msg/TFMessage").tobytes() == tf
+    positions, quaternions = person.body.joint_frames(person.motion[7])
+    first = found.transforms[0]
+    assert (first.header.frame_id, first.child_frame_id) == ("world", f"{person.name}/pelvis")
+    place = first.transform.translation
+    assert np.array_equal([place.x, place.y, place.z], positions[0])
+    turn = first.transform.rotation
+    assert np.array_equal([turn.w, turn.x, turn.y, turn.z], quaternions[0])
+    assert len(found.transforms) == 55 + len(result.objects)
+    state = store.deserialize_cdr(joints, "sensor_msgs/msg/JointState")
+    assert list(state.name) == list(result.joints)
+    assert np.allclose(state.position, [np.ravel(v[7])[0] for v in result.joints.values()])
+    assert state.header.stamp.nanosec == round(7 / 30 * 1e9)
+    assert store.serialize_cdr(state, "sensor_msgs/msg/JointState").tobytes() == joints
+    (marker,) = store.deserialize_cdr(markers, "visualization_msgs/msg/MarkerArray").markers
+    assert (marker.ns, marker.type, len(marker.points)) == (person.name, 7, 55)
+    array = store.deserialize_cdr(markers, "visualization_msgs/msg/MarkerArray")
+    again = store.serialize_cdr(array, "visualization_msgs/msg/MarkerArray").tobytes()
+    assert again == markers
+    result.save(tmp_path / "result.npz")
+    assert names["main"](tmp_path / "result.npz", tmp_path / "ros2") == 3 * len(result.motion)

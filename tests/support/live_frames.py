@@ -31,7 +31,7 @@ def any_pose(seed: int, *, joints=range(55), spread: float = 0.6) -> Pose:
     rotations[chosen] = rng.normal(scale=spread, size=(len(chosen), 3))
     root = rot.multiply(rot.exp(rotations[0]), rot.exp(UPRIGHT))
     rotations[0] = rot.log(root)
-    return Pose(rng.normal(size=3) + [0.0, 0.0, 1.0], rotations)
+    return Pose(rng.normal(size=3) + np.array([0.0, 0.0, 1.0]), rotations)
 
 
 def outgoing(pose: Pose | None, frame: int = 0, person: str = PERSON) -> Outgoing:

@@ -44,6 +44,7 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
         "fix": "put an estimator's or a generator's motion right",
         "play": "play with a simulation in a browser",
         "serve": "step a scene in real time for clients that send poses",
+        "send": "play a motion as motion capture programs send it: VMC, mocopi, ...",
         "convert": "write a motion in another format or at another frame rate",
         "inspect": "say what a motion file is and how it is read, draw three poses",
         "formats": "list the motion formats",

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 EXAMPLES = """\
 halfphysics convert result.npz corrected.npz
 halfphysics convert walk.npz walk60.npz --to-fps 60
+halfphysics convert result.npz isaac.usd --colliders
 halfphysics convert walk_smpl.npz walk_smplx.npz --format amass-smplx"""
 
 
@@ -41,6 +42,9 @@ class Command:
     """Format to write, where the suffix does not say which."""
     to_fps: float | None = None
     """Frame rate to write; rotations are interpolated along the shortest arc."""
+    colliders: bool = False
+    """Write bodies that physics engines collide with, too (.usd): people's parts as kinematic
+    hulls that follow the animation, the room, the objects."""
     person: tyro.conf.OmitArgPrefixes[BodyOptions] = field(default_factory=BodyOptions)
     motion_file: tyro.conf.OmitArgPrefixes[MotionOptions] = field(default_factory=MotionOptions)
 
@@ -58,6 +62,11 @@ class Command:
             raise InputError(
                 f"--format: {self.target.suffix} files are of one format. Leave out --format"
             )
+        if self.colliders and not scene:
+            raise InputError(
+                f"--colliders: found {self.target}, which is a motion file. Write .usd, or leave "
+                "out --colliders"
+            )
         result = Result.load(self.source) if is_result(self.source) else None
         read_otherwise = self.motion_file != MotionOptions()
         if scene:
@@ -69,7 +78,8 @@ class Command:
             what = self.motion_file.sequence(self.source) if result is None else result
             motion = what.motions[0] if isinstance(what, Sequence) else what.motion
             with self._rate_said():
-                export(what, self.target, body=self._body(motion, None), fps=self.to_fps)
+                body = self._body(motion, None)
+                export(what, self.target, body=body, fps=self.to_fps, colliders=self.colliders)
         elif self._finishes():
             motion = _finished(self.source, self.target)
         else:

@@ -139,15 +139,17 @@ class Command:
 
     def _wait(self, live: LiveServer) -> None:
         begun = said = time.monotonic()
-        while live.running:
-            time.sleep(_LOOK)
-            now = time.monotonic()
-            ends = self.for_ is not None and now - begun >= self.for_
-            if ends or now - said >= _EVERY:
-                print(_figures(live), flush=True)
-                said = now
-            if ends:
-                return
+        try:
+            while live.running:
+                time.sleep(_LOOK)
+                now = time.monotonic()
+                if self.for_ is not None and now - begun >= self.for_:
+                    return
+                if now - said >= _EVERY:
+                    print(_figures(live), flush=True)
+                    said = now
+        finally:
+            print(_figures(live), flush=True)
 
 
 def _figures(live: LiveServer) -> str:

@@ -17,9 +17,10 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import TracebackType
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
+from msgspec import UNSET
 from numpy.typing import NDArray
 from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidStatus, InvalidURI
 from websockets.sync import client as websocket
@@ -115,7 +116,6 @@ class LiveClient:
                 f"{url}: nothing answers there ({error}). Start halfphysics serve"
             ) from None
         self._keys = itertools.count(1)
-        self._newest: LiveFrame | None = None
         first = self._message(_OPENS)
         if not isinstance(first, schema.Hello):
             self.close()
@@ -178,9 +178,6 @@ class LiveClient:
             FileError: The connection was closed.
             InputError: The server refused something that was sent.
         """
-        if self._newest is not None:
-            frame, self._newest = self._newest, None
-            return frame
         ends = None if timeout is None else time.monotonic() + timeout
         while True:
             left = None if ends is None else max(ends - time.monotonic(), 0.0)
@@ -269,7 +266,7 @@ class LiveClient:
         return message
 
     def _answered(self, key: int) -> schema.Done | schema.Pong:
-        """Wait for the answer; of the frames before it the newest is kept for `receive`."""
+        """Wait for the answer; frames from before it are passed over."""
         ends = time.monotonic() + _ANSWERS
         while True:
             try:
@@ -278,11 +275,9 @@ class LiveClient:
                 raise FileError(
                     f"no answer within {_ANSWERS:g} s: the server is too busy or gone"
                 ) from None
-            if isinstance(message, schema.FrameMessage):
-                self._newest = _frame(message)
-            elif isinstance(message, schema.ErrorMessage) and message.id in (key, None):
+            if isinstance(message, schema.ErrorMessage) and message.id in (key, None):
                 raise InputError(message.message)
-            elif isinstance(message, schema.Done | schema.Pong) and message.id == key:
+            if isinstance(message, schema.Done | schema.Pong) and message.id == key:
                 return message
 
 
@@ -292,33 +287,35 @@ def _closed(error: ConnectionClosed) -> FileError:
 
 
 def _frame(message: schema.FrameMessage) -> LiveFrame:
-    poses, targets, tracking, stamps = {}, {}, {}, {}
+    poses: dict[str, Pose] = {}
+    targets: dict[str, Pose] = {}
+    stamps: dict[str, Stamp] = {}
     for name, person in message.people.items():
-        tracking[name] = person.tracking
         if person.stamp is not None:
             its = person.stamp
             stamps[name] = Stamp(its.sent, its.received, its.stepped)
-        if not isinstance(person.rotations, schema.UnsetType):
-            poses[name] = Pose(person.translation, person.rotations)  # type: ignore[arg-type]
-        if not isinstance(person.target_rotations, schema.UnsetType):
-            targets[name] = Pose(
-                person.target_translation,  # type: ignore[arg-type]
-                person.target_rotations,
-            )
-    objects = {} if isinstance(message.objects, schema.UnsetType) else message.objects
+        if person.translation is not UNSET and person.rotations is not UNSET:
+            poses[name] = _pose(person.translation, person.rotations)
+        if person.target_translation is not UNSET and person.target_rotations is not UNSET:
+            targets[name] = _pose(person.target_translation, person.target_rotations)
+    objects = {} if message.objects is UNSET else message.objects
     return LiveFrame(
         frame=message.frame,
         time=message.time,
         clock=message.clock,
         poses=poses,
         targets=targets,
-        tracking=tracking,  # type: ignore[arg-type]
+        tracking={n: cast("Tracking", person.tracking) for n, person in message.people.items()},
         stamps=stamps,
         objects={
             name: (np.array(place.position), np.array(place.quaternion))
             for name, place in objects.items()
         },
-        joints={} if isinstance(message.joints, schema.UnsetType) else message.joints,
-        contacts=() if isinstance(message.contacts, schema.UnsetType) else message.contacts,
+        joints={} if message.joints is UNSET else message.joints,
+        contacts=() if message.contacts is UNSET else message.contacts,
         clearance=math.inf if message.clearance is None else message.clearance,
     )
+
+
+def _pose(translation: list[float], rotations: list[list[float]]) -> Pose:
+    return Pose(np.array(translation), np.array(rotations))

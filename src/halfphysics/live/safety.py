@@ -21,8 +21,9 @@ from halfphysics.errors import InputError
 MOST_CLIENTS = 256
 #: What one client may send for long: messages and bytes per second.
 MESSAGES_PER_SECOND, BYTES_PER_SECOND = 1000.0, 4e6
-#: What waits to be sent to a client at most [bytes]; more: it gets the next newest frame instead.
-MOST_WAITING = 256 * 1024
+#: What waits to be sent to a client at most [bytes], here and in the system; if there is more, it
+#: is left out of frames, so that what it reads is never old.
+MOST_WAITING = 64 * 1024
 
 
 def is_loopback(host: str) -> bool:

@@ -336,9 +336,10 @@ def from_client(data: str | bytes) -> FromClient:
     Raises:
         InputError: It is none of version 1.
     """
-    decoder = _FROM_CLIENT[not isinstance(data, str)]
+    decoder: Any = _FROM_CLIENT[not isinstance(data, str)]
     try:
-        return decoder.decode(data)
+        message: FromClient = decoder.decode(data)
+        return message
     except (msgspec.MsgspecError, UnicodeError, RecursionError) as error:
         raise InputError(_wrong(data, error)) from None
 
@@ -349,9 +350,10 @@ def from_server(data: str | bytes) -> FromServer:
     Raises:
         InputError: It is none of version 1.
     """
-    decoder = _FROM_SERVER[not isinstance(data, str)]
+    decoder: Any = _FROM_SERVER[not isinstance(data, str)]
     try:
-        return decoder.decode(data)
+        message: FromServer = decoder.decode(data)
+        return message
     except (msgspec.MsgspecError, UnicodeError, RecursionError) as error:
         raise InputError(_wrong(data, error)) from None
 

@@ -18,7 +18,7 @@ from websockets.protocol import State
 from halfphysics.errors import FileError, InputError
 from halfphysics.live import schema
 from halfphysics.live.clients import Client
-from halfphysics.live.safety import MOST_CLIENTS, Gate, Refusal
+from halfphysics.live.safety import MOST_CLIENTS, MOST_WAITING, Gate, Refusal
 from halfphysics.live.scene_items import person_item, scene_items
 from halfphysics.live.wire import frame_message
 
@@ -158,6 +158,10 @@ class Server:
 
     async def _serve(self, connection: ServerConnection) -> None:
         self._opened += 1
+        # A frame is sent when it is there, not when the one before it was acknowledged (Nagle).
+        own: socket.socket = connection.transport.get_extra_info("socket")
+        own.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        own.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, MOST_WAITING)
         client = Client(connection, self._session, f"ws:{self._opened}", self._loop)
         try:
             await client.send(self._hello())

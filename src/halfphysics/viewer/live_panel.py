@@ -49,9 +49,7 @@ class LivePanel:
         """The cameras follow, or stay."""
         self._follow.value = not self._follow.value
         self._follow_now()
-        self._view.remote.say(
-            "The camera follows." if self._follow.value else "The camera stays."
-        )
+        self._view.remote.say("The camera follows." if self._follow.value else "The camera stays.")
 
     def show_scene(self) -> None:
         """Build the controls of the present scene: its layers."""

@@ -55,6 +55,7 @@ class Numbers:
     def ping(self, trip: float, offset: float) -> None:
         """A round trip [s], and the server's clock less ours [s]."""
         self._trips.append((trip, offset))
+        self._last = -1  # the client passes over the frames that come before the answer
         self.trip = min(self._trips)[0]
 
     def frame(self, frame: LiveFrame, now: float) -> None:

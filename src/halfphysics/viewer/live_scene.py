@@ -129,9 +129,7 @@ def _shape(item: SceneItem) -> tuple[Any, dict[str, Any]]:
             return trimesh.Trimesh(np.array(given["vertices"], dtype=float), faces), place
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"{item.name!r}: found a {kind} that is incomplete ({error})") from None
-    raise InputError(
-        f"{item.name!r}: found shape {str(kind)[:40]!r}, expected one of docs/live.md"
-    )
+    raise InputError(f"{item.name!r}: found shape {str(kind)[:40]!r}, expected one of docs/live.md")
 
 
 class LiveTouches:

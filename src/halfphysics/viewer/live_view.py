@@ -5,8 +5,6 @@ from __future__ import annotations
 import time
 from typing import Any
 
-import numpy as np
-
 from halfphysics.errors import HalfPhysicsError
 from halfphysics.live.client import LiveFrame
 from halfphysics.render.rasterizer import Camera

@@ -47,6 +47,7 @@ def export(
     *,
     body: Body | None = None,
     fps: float | None = None,
+    colliders: bool = False,
 ) -> None:
     """Write an animated scene for other programs; the suffix selects the format.
 
@@ -55,10 +56,12 @@ def export(
         path: The file; it appears whole or not at all.
         body: The body, if `what` has none; None: the default body.
         fps: Frame rate to write; None: that of the motion.
+        colliders: Write bodies for physics engines, too (USD only): the convex hulls of people's
+            parts as kinematic bodies that follow the animation, and the room and the objects.
 
     Raises:
         FileError: The folder does not exist or cannot be written.
-        InputError: Another suffix.
+        InputError: Another suffix, or `colliders` in a format that has none.
         MissingDependencyError: A package that the format needs is not installed (USD: usd-core).
     """
     from halfphysics.writers.take import take_of
@@ -71,5 +74,12 @@ def export(
         )
     if body is not None:
         checked_body(body, "joint_frames")
-    module = importlib.import_module(f"{__name__}.{KINDS[path.suffix.lower()]}")
-    module.write(take_of(what, body, fps=fps), path)
+    kind = KINDS[path.suffix.lower()]
+    if colliders and kind != "usd":
+        raise InputError(
+            f"{path}: colliders are written to USD only, found {path.suffix}. Leave out colliders, "
+            "or write .usd"
+        )
+    module = importlib.import_module(f"{__name__}.{kind}")
+    more = {"colliders": True} if colliders else {}
+    module.write(take_of(what, body, fps=fps), path, **more)

@@ -29,6 +29,7 @@ from halfphysics.writers.colors import actors_coloured, linear, props_coloured
 from halfphysics.writers.correctives import correctives
 from halfphysics.writers.normals import creased, vertex_normals
 from halfphysics.writers.take import Actor, Prop, Take
+from halfphysics.writers.usd_colliders import Colliders
 
 Array = NDArray[np.float64]
 
@@ -38,8 +39,8 @@ _STAMP = time.mktime((1980, 1, 2, 0, 0, 0, 0, 0, -1))
 _ROOT, _LOOKS = "/World", "/World/Looks"
 
 
-def write(take: Take, path: Path) -> None:
-    """Write a take.
+def write(take: Take, path: Path, *, colliders: bool = False) -> None:
+    """Write a take; with `colliders` also bodies that physics engines collide with.
 
     Raises:
         MissingDependencyError: usd-core is not installed.
@@ -47,10 +48,15 @@ def write(take: Take, path: Path) -> None:
     """
     pxr = _pxr()
     builder = _Builder(pxr, take)
+    bodies = Colliders(pxr, builder.stage, take) if colliders else None
     for actor, color in actors_coloured(take.actors):
-        builder.add_actor(actor, color)
+        where = builder.add_actor(actor, color)
+        if bodies is not None:
+            bodies.add_actor(actor, where)
     for prop, color in props_coloured(take.props):
-        builder.add_prop(prop, color)
+        where = builder.add_prop(prop, color)
+        if bodies is not None:
+            bodies.add_prop(prop, where)
     suffix = path.suffix.lower()
     with atomic_write(path) as handle, tempfile.TemporaryDirectory() as folder:
         # USD writes only to a path, and takes the format from its suffix.
@@ -103,8 +109,8 @@ class _Builder:
 
     # -- people --------------------------------------------------------------------------------
 
-    def add_actor(self, actor: Actor, color: Color) -> None:
-        """Add a person: a skeleton, its skin and their animation."""
+    def add_actor(self, actor: Actor, color: Color) -> str:
+        """Add a person: a skeleton, its skin and their animation. Returns its path."""
         skel, body = self.pxr.UsdSkel, actor.body
         path = self._new(actor.name)
         root = skel.Root.Define(self.stage, path)
@@ -140,6 +146,7 @@ class _Builder:
         )
         if body.posedirs is not None:
             self._add_correctives(mesh, binding, animation, actor, body.posedirs)
+        return path
 
     def _joint_paths(self) -> list[str]:
         paths: list[str] = []
@@ -181,8 +188,8 @@ class _Builder:
 
     # -- props ---------------------------------------------------------------------------------
 
-    def add_prop(self, prop: Prop, color: Color) -> None:
-        """Add a prop: its mesh, with sharp edges, and its animation."""
+    def add_prop(self, prop: Prop, color: Color) -> str:
+        """Add a prop: its mesh, with sharp edges, and its animation. Returns its path."""
         gf, path = self.pxr.Gf, self._new(prop.name)
         xform = self.pxr.UsdGeom.Xform.Define(self.stage, path)
         xform.GetPrim().SetDisplayName(prop.name)
@@ -198,6 +205,7 @@ class _Builder:
             mesh = self._mesh(f"{path}/Mesh", vertices, faces, normals)
             mesh.CreateDoubleSidedAttr(True)
             self._paint(mesh, path, color)
+        return path
 
     # -- shared parts --------------------------------------------------------------------------
 

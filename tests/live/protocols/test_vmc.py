@@ -105,7 +105,7 @@ def test_an_independent_implementation_reads_the_packets():
     assert messages[2].params == ["root", 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
     bones = {m.params[0]: m.params[1:] for m in messages[3:]}
     assert set(bones) == set(humanoid.BONES)
-    position, quaternions = BODY.joint_frames(pose)
+    position, _quaternions = BODY.joint_frames(pose)
     at = position[0]
     assert np.allclose(bones["Hips"][:3], [-at[0], at[2], -at[1]], atol=PLACE)
     x, y, z, w = bones["LeftLowerArm"][3:]
@@ -193,13 +193,14 @@ def model_with_other_axes(seed):
         positions, quaternions = BODY.joint_frames(pose)
         world = rot.multiply(rot.exp([-np.pi / 2, 0.0, 0.0]), quaternions)
         bones = rot.multiply(world, own)
-        local = humanoid.local_rotations(bones)
-        parents = np.maximum(humanoid.PARENTS, 0)
+        local = humanoid.CHAIN.local_rotations(bones)
+        parents = np.maximum(humanoid.CHAIN.parents, 0)
         offsets = rot.rotate(rot.conjugate(own[parents]), rest - rest[parents])
         x, y, z = positions[0]
         offsets[0] = 0.5 * np.array([x, z, -y])  # half as tall
         rows = [
-            (*(o * [-1, 1, 1]), q[1], -q[2], -q[3], q[0]) for o, q in zip(offsets, local, strict=True)
+            (*(o * [-1, 1, 1]), q[1], -q[2], -q[3], q[0])
+            for o, q in zip(offsets, local, strict=True)
         ]
         return [bone(name, *row) for name, row in zip(humanoid.BONES, rows, strict=True)]
 

@@ -181,7 +181,7 @@ def _person(whole: Fields, index: int, data: dict[str, Any], fps: float) -> Pers
         reference=Motion(
             whole[f"{at}target_translation"], whole[f"{at}target_rotations"], fps, **common
         ),
-        body=BodyRecord(data["body"], "an unfinished result"),  # type: ignore[arg-type]
+        body=BodyRecord(data["body"], "an unfinished result"),
         torque=whole[f"{at}torque"],
     )
 

@@ -11,6 +11,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from halfphysics.base.suggestions import did_you_mean
+from halfphysics.base.validation import number
 from halfphysics.errors import InputError
 
 if TYPE_CHECKING:
@@ -18,46 +19,67 @@ if TYPE_CHECKING:
     from halfphysics.live.incoming import Receiver, Sender
     from halfphysics.live.protocols.endpoint import Endpoint
 
-#: Protocols that poses come in by -> what sends them. The modules of these names implement them.
+#: Protocols that poses come in by -> who sends them. The modules of these names implement them.
 RECEIVERS: Mapping[str, str] = MappingProxyType(
     {
-        "vmc": "VMC 3.1: VSeeFace, SlimeVR, VirtualMotionCapture, mocopi bridges, Unity, Blender",
+        "vmc": "VMC 3.1: VSeeFace, SlimeVR, VirtualMotionCapture, Unity, Blender",
+        "mocopi": "mocopi: Sony's app",
+        "xsens": "Xsens MVN: its network streamer, quaternions",
+        "rokoko": "Rokoko Studio: custom streaming, JSON version 3",
+        "pico": "PICO headsets, by XRoboToolkit's SDK",
     }
 )
-#: Protocols that corrected poses go out by -> what receives them.
+#: Protocols that corrected poses go out by -> who receives them.
 SENDERS: Mapping[str, str] = MappingProxyType(
     {
         "vmc": "VMC 3.1: Unity, Unreal, Blender, Godot, VSeeFace, Warudo",
+        "mocopi": "what receives from mocopi's app",
+        "xsens": "what receives from Xsens MVN",
+        "rokoko": "what receives from Rokoko Studio",
+        "sonic": "robots that SONIC drives (ZeroMQ; needs pyzmq)",
     }
 )
 
 
-def receiver(
-    text: str, *, person: str, body: Body, calibrate: float | None = None
-) -> Receiver:
+def receiver(text: str, *, person: str, body: Body) -> Receiver:
     """A receiver by its name and where it listens: "vmc", "vmc:39539", "vmc:0.0.0.0:39539".
+
+    ",calibrate=5" at the end: five seconds after the first pose the person stands in a T-pose, from
+    which the sender's bones are known. Without it the sender's rest pose is as its protocol says.
 
     Args:
         text: PROTOCOL, PROTOCOL:PORT or PROTOCOL:HOST:PORT. Without a host it is this machine's
             loopback, which other machines do not reach.
         person: Name of the person whose poses come.
         body: The person's body: positions and proportions of the sender are fitted to it.
-        calibrate: Seconds after the first pose at which the person stands in a T-pose; None: the
-            sender's rest pose is as its protocol says.
 
     Raises:
         InputError: An unknown protocol, or one that poses do not come in by; no such address.
-        MissingDependencyError: The protocol needs a package that is not installed.
     """
-    module, where = _module(text, RECEIVERS, "received")
-    found: Receiver = module.receiver(where, person, body, calibrate=calibrate)
+    where, _, rest = text.partition(",")
+    calibrate = None
+    if rest:
+        name, _, seconds = rest.partition("=")
+        if name != "calibrate":
+            raise InputError(f"{text!r}: found {rest!r}, expected calibrate=SECONDS")
+        try:
+            calibrate = number(float(seconds), "calibrate", least=0.0, unit="s")
+        except ValueError:
+            raise InputError(f"{text!r}: expected calibrate=SECONDS, such as calibrate=5") from None
+    module, endpoint = _module(where, RECEIVERS, "received")
+    found: Receiver = module.receiver(endpoint, person, body, calibrate=calibrate)
     return found
 
 
 def sender(text: str, *, person: str, body: Body) -> Sender:
-    """A sender by its name and where it sends to: "vmc:127.0.0.1:39539"; see `receiver`."""
-    module, where = _module(text, SENDERS, "sent")
-    found: Sender = module.sender(where, person, body)
+    """A sender by its name and where it sends to: "vmc:127.0.0.1:39539"; see `receiver`.
+
+    Raises:
+        InputError: An unknown protocol, or one that poses do not go out by; no such address.
+        MissingDependencyError: The protocol needs a package that is not installed.
+    """
+    module, endpoint = _module(text, SENDERS, "sent")
+    found: Sender = module.sender(endpoint, person, body)
     return found
 
 

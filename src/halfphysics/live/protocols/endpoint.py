@@ -6,6 +6,7 @@ import ipaddress
 from dataclasses import dataclass
 
 from halfphysics.errors import InputError
+from halfphysics.live.safety import is_loopback
 
 #: The address that is taken where none is given: nothing from or to other machines.
 LOOPBACK = "127.0.0.1"
@@ -32,12 +33,7 @@ class Endpoint:
     @property
     def is_local(self) -> bool:
         """Whether it is this machine's loopback."""
-        if self.host == "localhost":
-            return True
-        try:
-            return ipaddress.ip_address(self.host).is_loopback
-        except ValueError:
-            return False
+        return is_loopback(self.host)
 
 
 def endpoint(text: str, default_port: int) -> Endpoint:
@@ -52,9 +48,18 @@ def endpoint(text: str, default_port: int) -> Endpoint:
         host, port = rest, str(default_port)
     host = host.removeprefix("[").removesuffix("]") or LOOPBACK
     number = int(port or default_port)
-    if not protocol or number > 65535 or any(char.isspace() or char in "/@" for char in host):
+    odd = any(char.isspace() or char in "/@" for char in host)
+    if not protocol or number > 65535 or odd or (":" in host and not _is_address(host)):
         raise InputError(
             f"{text!r}: expected PROTOCOL, PROTOCOL:PORT or PROTOCOL:HOST:PORT with a port from 0 "
             f"to 65535, such as {protocol or 'vmc'}:{LOOPBACK}:{default_port}"
         )
     return Endpoint(protocol, host, number)
+
+
+def _is_address(host: str) -> bool:
+    try:
+        ipaddress.ip_address(host)
+    except ValueError:
+        return False
+    return True

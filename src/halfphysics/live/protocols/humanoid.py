@@ -9,14 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-import numpy as np
-from numpy.typing import NDArray
-
-from halfphysics.base import rotations as rot
+from halfphysics.live.protocols.chain import Chain
 from halfphysics.motion.skeleton import JOINT_INDEX, PARENTS
-
-Array = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 _MIDDLE = {
     "Hips": "pelvis",
@@ -38,7 +32,13 @@ _SIDED = {
     "Hand": "wrist",
     "Eye": "eye_smplhf",
 }
-_FINGERS = {"Thumb": "thumb", "Index": "index", "Middle": "middle", "Ring": "ring", "Little": "pinky"}
+_FINGERS = {
+    "Thumb": "thumb",
+    "Index": "index",
+    "Middle": "middle",
+    "Ring": "ring",
+    "Little": "pinky",
+}
 _PHALANGES = ("Proximal", "Intermediate", "Distal")
 
 
@@ -64,35 +64,5 @@ BONES: tuple[str, ...] = tuple(JOINT_OF)
 INDEX_OF: Mapping[str, int] = MappingProxyType({name.lower(): i for name, i in JOINT_OF.items()})
 
 
-def _levels() -> list[NDArray[np.intp]]:
-    depth = np.zeros(len(PARENTS), dtype=int)
-    for joint in range(1, len(PARENTS)):
-        depth[joint] = depth[PARENTS[joint]] + 1
-    return [np.flatnonzero(depth == level) for level in range(1, depth.max() + 1)]
-
-
-_LEVELS = _levels()
-
-
-def world_rotations(local: Array) -> Array:
-    """Rotations in the model's axes (55, 4) of those in the parents' frames (55, 4)."""
-    world = np.array(local)
-    for level in _LEVELS:
-        world[level] = rot.multiply(world[PARENTS[level]], local[level])
-    return world
-
-
-def local_rotations(world: Array) -> Array:
-    """Rotations in the parents' frames (55, 4) of those in the model's axes (55, 4)."""
-    local = rot.multiply(rot.conjugate(world[np.maximum(PARENTS, 0)]), world)
-    local[0] = world[0]
-    return local
-
-
-def world_positions(world: Array, offsets: Array) -> Array:
-    """Positions in the model's axes (55, 3) of bones at `offsets` (55, 3) from their parents."""
-    positions = np.array(offsets)
-    for level in _LEVELS:
-        above = PARENTS[level]
-        positions[level] = positions[above] + rot.rotate(world[above], offsets[level])
-    return positions
+#: Their hierarchy.
+CHAIN = Chain(PARENTS.tolist())

@@ -10,6 +10,7 @@ import socket
 import threading
 import time
 from dataclasses import dataclass
+from typing import Any
 
 from halfphysics.errors import InputError
 from halfphysics.live.incoming import Deliver, Outgoing
@@ -185,7 +186,8 @@ class UdpSender:
                 f"{endpoint}: the host is not found ({error.strerror or error}). Give its name or "
                 "its IP address"
             ) from None
-        family, kind, _, _, self._address = found[0]
+        family, kind, _, _, address = found[0]
+        self._address: Any = address
         self.endpoint = endpoint
         self.encoder = encoder
         self.sent = self.dropped = 0

@@ -18,7 +18,8 @@ _FROM_UNITY = np.array([1.0, 1.0, -1.0, -1.0])
 
 def position(vectors: ArrayLike) -> Array:
     """Positions (..., 3) mirrored, from Unity to y up and right-handed or back."""
-    return np.asarray(vectors, dtype=np.float64) * _MIRROR
+    mirrored: Array = np.asarray(vectors, dtype=np.float64) * _MIRROR
+    return mirrored
 
 
 def from_xyzw(quaternions: ArrayLike) -> Array:

@@ -27,7 +27,7 @@ from halfphysics.live.protocols.malformed import Malformed
 from halfphysics.live.protocols.osc import Message
 from halfphysics.live.protocols.rig import Rig
 from halfphysics.live.protocols.udp import UdpReceiver, UdpSender
-from halfphysics.motion.skeleton import JOINT_INDEX, N_JOINTS, PARENTS
+from halfphysics.motion.skeleton import JOINT_INDEX, N_JOINTS
 
 Array = NDArray[np.float64]
 
@@ -41,7 +41,9 @@ MAX_DEVICES = 64
 _BONE, _ROOT, _TIME = "/VMC/Ext/Bone/Pos", "/VMC/Ext/Root/Pos", "/VMC/Ext/T"
 _OK, _CALIBRATE = "/VMC/Ext/OK", "/VMC/Ext/Set/Calib/Exec"
 _DEVICES = {
-    f"/VMC/Ext/{kind}/Pos{local}": kind for kind in ("Hmd", "Con", "Tra") for local in ("", "/Local")
+    f"/VMC/Ext/{kind}/Pos{local}": kind
+    for kind in ("Hmd", "Con", "Tra")
+    for local in ("", "/Local")
 }
 _LEFT_HIP, _RIGHT_HIP = JOINT_INDEX["left_hip"], JOINT_INDEX["right_hip"]
 # A bone whose place changes by more shows another model [m]; largest coordinate that is taken [m].
@@ -160,7 +162,7 @@ class VmcDecoder:
         root_at, root = self._root
         local = frame.local.copy()
         local[0] = rot.multiply(root, local[0])
-        world = humanoid.world_rotations(local)
+        world = humanoid.CHAIN.world_rotations(local)
         offsets = frame.offsets.copy()
         offsets[0] = root_at + rot.rotate(root, offsets[0])
         self._fit(frame, world, offsets)
@@ -171,7 +173,7 @@ class VmcDecoder:
         """Calibrate if it was asked for; else the limbs of a model are along its own rest pose."""
         if self._wanted:
             self._wanted, self._calibrated = False, True
-            places = humanoid.world_positions(world, offsets)
+            places = humanoid.CHAIN.world_positions(world, offsets)
             hips = frame.given[[_LEFT_HIP, _RIGHT_HIP]].all()
             left = places[_LEFT_HIP] - places[_RIGHT_HIP] if hips else None
             if left is not None and np.linalg.norm(left) < 1e-3:
@@ -183,7 +185,7 @@ class VmcDecoder:
         if moved and not self._calibrated:
             self._aligned_to = rest.copy()
             still = np.tile(_IDENTITY, (N_JOINTS, 1))
-            places = humanoid.world_positions(still, frame.offsets)
+            places = humanoid.CHAIN.world_positions(still, frame.offsets)
             fresh = Rig.of(range(N_JOINTS))
             self.rig = fresh.aligned(places, still, frame.given, self._body)
 
@@ -193,7 +195,9 @@ class VmcDecoder:
         self.devices[serial] = Device(
             _DEVICES[address],
             self.rig.axes @ unity.position(values[:3]),
-            rot.multiply(rot.from_matrix(self.rig.axes), rot.normalize(unity.from_xyzw(values[3:7]))),
+            rot.multiply(
+                rot.from_matrix(self.rig.axes), rot.normalize(unity.from_xyzw(values[3:7]))
+            ),
             address.endswith("/Local"),
         )
 
@@ -204,8 +208,7 @@ class VmcEncoder:
     def __init__(self, person: str, body: Body) -> None:
         self._person, self._body = person, body
         self._rig = Rig.of(range(N_JOINTS))
-        rest = body.rest_joints
-        self._offsets = unity.position(rest - rest[np.maximum(PARENTS, 0)])
+        self._offsets = unity.position(humanoid.CHAIN.offsets(body.rest_joints))
 
     def encode(self, outgoing: Outgoing) -> list[bytes]:
         """See `Encoder.encode`. A person who has no pose yet is not sent, only that nobody is."""
@@ -217,7 +220,7 @@ class VmcEncoder:
         if pose is None:
             return osc.bundles(begin, MAX_PACKET)
         positions, quaternions = self._body.joint_frames(pose)
-        local = humanoid.local_rotations(self._rig.bones(quaternions))
+        local = humanoid.CHAIN.local_rotations(self._rig.bones(quaternions))
         places = self._offsets.copy()
         places[0] = unity.position(self._rig.places(positions[0]))
         rows = np.concatenate([places, unity.to_xyzw(local)], axis=1).tolist()
@@ -240,7 +243,9 @@ def _checked(message: Message) -> Array | None:
     address, arguments = message.address, message.arguments
     if address in (_BONE, _ROOT) or address in _DEVICES:
         if len(arguments) < 8 or not isinstance(arguments[0], str):
-            raise Malformed(f"{address}: found {len(arguments)} arguments, expected a name, 7 numbers")
+            raise Malformed(
+                f"{address}: found {len(arguments)} arguments, expected a name, 7 numbers"
+            )
         values = arguments[1:8]
         if not all(_is_number(value) and abs(value) < _FAR for value in values):
             raise Malformed(f"{address}: numbers that are not finite or far out of range")

@@ -1,0 +1,83 @@
+"""halfphysics serve."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+import halfphysics as hp
+from halfphysics.cli import main
+
+
+def test_it_serves_for_a_time_and_says_how_it_went(tmp_path, capsys):
+    path = tmp_path / "out.npz"
+    assert main(["serve", "shake_hands", "--port", "0", "--for", "1", "-o", str(path)]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert re.fullmatch(r"a live session of person0, person1 at ws://127\.0\.0\.1:\d+", said[0])
+    assert re.match(r"\d+ frames; 0 clients; 0 poses dropped", said[1])
+    assert said[2] == f"written: {path}"
+    result = hp.Result.load(path)
+    assert 45 < len(result) < 140  # a second at 90 Hz, on a busy machine
+    assert main(["convert", str(path), str(tmp_path / "out.glb")]) == 0
+
+
+def test_an_unfinished_recording_becomes_a_result(tmp_path, capsys, monkeypatch):
+    from halfphysics.live.recording import Recorder
+
+    monkeypatch.setattr(
+        Recorder, "close", lambda self: (self._frames.put(None), self._thread.join())
+    )
+    path = tmp_path / "out.npz"
+    assert main(["serve", "--port", "0", "--for", "0.5", "-o", str(path)]) == 0
+    assert main(["convert", f"{path}.unfinished", str(tmp_path / "found.npz")]) == 0
+    assert len(hp.Result.load(tmp_path / "found.npz")) > 10
+    assert main(["convert", f"{path}.unfinished", str(tmp_path / "found.glb")]) == 0
+
+
+def test_options_make_the_scene_and_the_people(monkeypatch, capsys):
+    from halfphysics.live import serve as module
+
+    asked = {}
+
+    def serve(scene, **options):
+        asked.update(scene=scene, **options)
+        raise hp.errors.InputError("enough")
+
+    monkeypatch.setattr(module, "serve", serve)
+    words = ["--object", "b=sphere:0.1,mass=1", "--people", "3", "--stature", "1.6", "--fps", "60"]
+    assert (
+        main(["serve", *words, "--listen", "vmc:1", "--listen", "vmc:2", "--origin", "null"]) == 2
+    )
+    assert list(asked["scene"].objects) == ["b"]
+    assert [body.stature for body in asked["body"]] == pytest.approx([1.6] * 3)
+    assert (asked["fps"], asked["listen"], asked["origins"]) == (
+        60.0,
+        ("vmc:1", "vmc:2"),
+        ("null",),
+    )
+    assert asked["start"] is None
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["nowhere"], "no scene file and no scenario"),
+        (["shake_hand"], "shake_hands"),
+        (["nowhere.yaml"], "nowhere.yaml"),
+        (["a.yaml", "--scene", "b.yaml"], "two scenes"),
+        (["--people", "0"], "--people"),
+        (["--for", "-1"], "--for"),
+        (["--port", "99999"], "port"),
+        (["--fps", "1"], "--fps"),
+        (["--token", "abc"], "--token"),
+        (["--listen", "telepathy"], "telepathy"),
+        (["--body", "no.npz", "--stature", "1.6"], "--stature"),
+        (["--out", "/no/such/folder/out.npz"], "folder"),
+    ],
+)
+def test_mistakes(words, said, capsys):
+    assert main(["serve", *words]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert "Traceback" not in error

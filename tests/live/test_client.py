@@ -1,0 +1,131 @@
+"""The client in Python."""
+
+from __future__ import annotations
+
+import collections
+
+import numpy as np
+import pytest
+
+import halfphysics as hp
+from halfphysics.errors import FileError, InputError
+from halfphysics.live import schema
+from halfphysics.live.safety import Gate
+from halfphysics.live.server import Server
+
+
+@pytest.fixture
+def live(server):
+    with hp.connect(f"ws://127.0.0.1:{server.port}") as made:
+        yield made
+
+
+def test_who_is_there(live):
+    assert live.people == ("person0", "person1")
+    assert live.fps == pytest.approx(90.0)
+    assert live.hello.objects[0].name == "ball"
+
+
+def test_poses_in_frames_out(live):
+    pose = live.receive(20).poses["person0"]
+    both = {
+        "person0": pose,
+        "person1": hp.Pose(np.add(pose.translation, (0, 1, 0)), pose.rotations),
+    }
+    for k in range(200):
+        live.send(both, time=float(k), tracked={"person1": np.ones(55, dtype=bool)})
+        frame = live.receive(20)
+        if len(frame.stamps) == 2:
+            break
+    assert frame.stamps["person0"].sent == frame.stamps["person1"].sent
+    assert frame.tracking["person0"] == "live"
+    assert frame.objects["ball"][0].shape == (3,)
+    assert frame.poses["person1"].rotations.shape == (55, 3)
+    assert frame.targets == {}
+    assert {contact.other for contact in frame.contacts} <= {"floor", "wall", "ball"}
+    assert frame.clearance < 0.1
+
+
+def test_one_pose_is_the_first_person_s(live):
+    live.send(live.receive(20).poses["person0"], time=3.0)
+    frames = (live.receive(20) for _ in range(200))
+    stamps = next(frame.stamps for frame in frames if frame.stamps)
+    assert {name: stamp.sent for name, stamp in stamps.items()} == {"person0": 3.0}
+
+
+def test_edits_and_subscriptions(live):
+    live.subscribe(["targets"], people=["person1"])
+    frame = live.receive(20)
+    assert (frame.poses, frame.objects, list(frame.targets)) == ({}, {}, ["person1"])
+    live.subscribe()
+    live.edit(schema.Mass("ball", 2.0))
+    live.edit(schema.Remove("ball"))
+    assert "ball" not in live.receive(20).objects
+    with pytest.raises(InputError, match="ball"):
+        live.edit(schema.Mass("ball", 2.0))
+    assert live.receive(20).frame > 0
+
+
+def test_mistakes_of_others_are_raised(live):
+    live.send({"eve": live.receive(20).poses["person0"]})
+    with pytest.raises(InputError, match="expected one of person0"):
+        collections.deque(live, 0)
+
+
+def test_other_axes_are_refused(live):
+    pose = live.receive(20).poses["person0"]
+    turned = hp.Pose(pose.translation, pose.rotations, [[1, 0, 0], [0, 0, -1], [0, 1, 0]])
+    with pytest.raises(InputError, match="rebased"):
+        live.send(turned)
+
+
+def test_the_end_of_a_session(session):
+    server = Server(session, Gate("127.0.0.1"), 0)
+    server.start()
+    session.start()
+    with hp.connect(f"ws://127.0.0.1:{server.port}") as live:
+        live.receive(20)
+        server.stop()
+        assert len(list(live)) < 200  # ends by itself
+        with pytest.raises(FileError, match="closed"):
+            live.send(session.newest.poses["person0"])
+        with pytest.raises(FileError, match="closed"):
+            live.receive(20)
+
+
+def test_a_timeout(session):
+    server = Server(session, Gate("127.0.0.1"), 0)
+    server.start()
+    try:
+        with hp.connect(f"ws://127.0.0.1:{server.port}") as live, pytest.raises(TimeoutError):
+            live.receive(0.05)
+    finally:
+        server.stop()
+
+
+@pytest.mark.parametrize(
+    ("url", "error", "said"),
+    [
+        ("127.0.0.1:1", InputError, "ws://"),
+        ("http://127.0.0.1:1", InputError, "ws://"),
+        ("ws://127.0.0.1:1", FileError, "Start halfphysics serve"),
+    ],
+)
+def test_where_nobody_answers(url, error, said):
+    with pytest.raises(error, match=said):
+        hp.connect(url)
+
+
+def test_a_token_is_needed(session):
+    server = Server(session, Gate("127.0.0.1", "secret-12"), 0)
+    server.start()
+    try:
+        url = f"ws://127.0.0.1:{server.port}"
+        with pytest.raises(FileError, match="token"):
+            hp.connect(url)
+        with hp.connect(url, token="secret-12") as live:
+            assert live.people
+        with hp.connect(f"{url}/?token=secret-12") as live:
+            assert live.people
+    finally:
+        server.stop()

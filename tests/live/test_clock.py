@@ -1,0 +1,80 @@
+"""The physics clock: fixed steps whose phase follows the poses."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import pytest
+
+from halfphysics.live.clock import Clock
+
+DT = 1.0 / 90.0
+
+
+class Time:
+    """A clock that is set."""
+
+    def __init__(self):
+        self.now = 100.0
+
+    def __call__(self):
+        return self.now
+
+
+def run(period, first, seconds, *, dt=DT, sends=True):
+    """Times of steps, and how long poses waited, for poses that arrive at a period."""
+    time, clock = Time(), None
+    clock = Clock(dt, time)
+    clock.begin(False)
+    arrivals, waits, steps = [time.now + first], [], []
+    while time.now < 100.0 + seconds:
+        fresh = sends and arrivals[-1] <= time.now
+        expecting = sends and not fresh and arrivals[-1] <= clock.latest
+        wait = clock.wait(fresh, expecting)
+        if wait > 0.0:
+            until = time.now + wait
+            time.now = min(until, arrivals[-1]) if sends and not fresh else until
+            continue
+        clock.begin(fresh)
+        steps.append(time.now)
+        if fresh:
+            waits.append(time.now - arrivals[-1])
+            while arrivals[-1] <= time.now:
+                arrivals.append(arrivals[-1] + period)
+    return steps, waits
+
+
+def test_without_poses_steps_are_a_period_apart():
+    steps, _ = run(DT, 0.0, 1.0, sends=False)
+    assert [b - a for a, b in pairwise(steps)] == pytest.approx([DT] * 89)
+
+
+@pytest.mark.parametrize("phase", [0.1, 0.5, 0.9])
+@pytest.mark.parametrize("skew", [1.0, 1.001, 0.999])
+def test_a_pose_is_stepped_when_it_arrives(phase, skew):
+    """Whatever the phase, and with a sender's clock that is wrong by a part in a thousand."""
+    _, waits = run(DT * skew, phase * DT, 3.0)
+    assert max(waits[60:]) < 1e-9
+
+
+@pytest.mark.parametrize("skew", [1.02, 0.98])
+def test_the_rate_follows_the_sender_within_its_bound(skew):
+    steps, waits = run(DT * skew, 0.3 * DT, 5.0)
+    assert (steps[-1] - steps[100]) / (len(steps) - 101) == pytest.approx(DT * skew, rel=1e-3)
+    assert max(waits[100:]) < 1e-9
+
+
+def test_a_sender_twice_as_fast_does_not_speed_the_physics_up():
+    steps, _ = run(DT / 2, 0.0, 5.0)
+    assert (steps[-1] - steps[0]) / (len(steps) - 1) > 0.94 * DT
+
+
+def test_missed_time_is_not_caught_up():
+    time = Time()
+    clock = Clock(DT, time)
+    clock.begin(False)
+    time.now += 10.5 * DT
+    assert clock.wait(False, False) == 0.0
+    clock.begin(False)
+    assert clock.missed == 9
+    assert clock.wait(False, False) == pytest.approx(DT)

@@ -1,0 +1,173 @@
+"""The target that follows the poses."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from halfphysics.base import rotations as rot
+from halfphysics.live.follow import (
+    HOLD_AFTER,
+    JOINT_SPEED,
+    RELAX_AFTER,
+    ROOT_SPEED,
+    Follower,
+)
+from halfphysics.live.incoming import IncomingPose
+from halfphysics.live.mailbox import Arrival
+from halfphysics.live.stance import RELAXING
+from halfphysics.motion.pose import Pose
+from halfphysics.motion.skeleton import JOINT_INDEX
+
+DT = 1.0 / 90.0
+PELVIS = np.array([0.0, -0.35, 0.01])
+ELBOW = JOINT_INDEX["left_elbow"]
+
+
+def pose(x=0.0, elbow=0.0, axes=None):
+    rotations = np.zeros((55, 3))
+    rotations[0] = (np.pi / 2, 0, 0)
+    rotations[ELBOW] = (0, elbow, 0)
+    return Pose([x, 0, 1], rotations, np.eye(3) if axes is None else axes)
+
+
+def arrival(pose, tracked=None, gap=DT, time=None):
+    return Arrival(IncomingPose("ada", pose, time, tracked), 0.0, gap)
+
+
+@pytest.fixture
+def follower():
+    rest = pose(elbow=-0.3)
+    return Follower(pose(), rest, PELVIS, DT)
+
+
+def live(follower, given=None, steps=30):
+    """Somebody who is followed already."""
+    for _ in range(steps):
+        follower.advance(arrival(given or pose()), 0.0, DT)
+    assert follower.tracking == "live"
+
+
+def speeds(targets):
+    """Largest speed of the root [m/s] and of a joint [rad/s] from target to target."""
+    root = max(np.linalg.norm(b.translation - a.translation) for a, b in pairwise(targets))
+    joint = max(rot.angles(a.rotations, b.rotations).max() for a, b in pairwise(targets))
+    return root / DT, joint / DT
+
+
+def test_motion_is_followed_exactly(follower):
+    live(follower)
+    for k in range(50):
+        given = pose(x=0.05 * k, elbow=0.2 * np.sin(k))
+        target = follower.advance(arrival(given), 0.0, DT)
+        np.testing.assert_array_equal(target.translation, given.translation)
+        np.testing.assert_array_equal(target.rotations, given.rotations)
+
+
+@pytest.mark.parametrize("jump", [{"x": 3.0}, {"elbow": 2.5}, {"x": -1.0, "elbow": -1.5}])
+def test_a_jump_is_reached_at_human_speed(follower, jump):
+    live(follower)
+    targets = [follower.pose]
+    for _ in range(400):
+        targets.append(follower.advance(arrival(pose(**jump)), 0.0, DT))
+    root, joint = speeds(targets)
+    # `ease` has its largest slope between two steps: the bound holds to a percent.
+    assert root <= 1.01 * ROOT_SPEED
+    assert joint <= 1.01 * JOINT_SPEED
+    np.testing.assert_array_equal(targets[-1].translation, pose(**jump).translation)
+    np.testing.assert_array_equal(targets[-1].rotations, pose(**jump).rotations)
+
+
+def test_the_first_pose_is_a_jump(follower):
+    assert follower.tracking == "waiting"
+    first = follower.advance(arrival(pose(x=2.0), gap=0.0), 0.0, 0.0)
+    assert np.linalg.norm(first.translation - pose().translation) < ROOT_SPEED * DT
+
+
+def test_motion_passes_through_while_a_jump_is_made_up(follower):
+    """The elbow, which has not jumped, is where it is sent from the first step on."""
+    live(follower)
+    for k in range(20):
+        target = follower.advance(arrival(pose(x=3.0, elbow=0.02 * k)), 0.0, DT)
+        assert target.rotations[ELBOW, 1] == pytest.approx(0.02 * k, abs=1e-12)
+
+
+def test_a_glitch_of_one_pose_moves_nobody_far(follower):
+    live(follower)
+    follower.advance(arrival(pose(x=5.0)), 0.0, DT)
+    targets = [follower.advance(arrival(pose()), 0.0, DT) for _ in range(50)]
+    assert max(abs(t.translation[0]) for t in targets) < 0.01
+
+
+def test_rotations_beyond_half_a_turn_are_no_jump(follower):
+    given = pose()
+    rotations = given.rotations.copy()
+    rotations[0] = (0, 0, 0.999 * np.pi)
+    live(follower, Pose(given.translation, rotations), 300)
+    rotations = rotations.copy()
+    rotations[0] = (0, 0, -0.999 * np.pi)
+    target = follower.advance(arrival(Pose(given.translation, rotations)), 0.0, DT)
+    np.testing.assert_array_equal(target.rotations[0], rotations[0])
+
+
+def test_who_is_lost_is_held_then_relaxes_then_comes_back(follower):
+    given = pose(x=1.0, elbow=0.8)
+    live(follower, given, 300)
+    for silence in np.arange(0.0, RELAX_AFTER, DT):
+        target = follower.advance(None, silence, DT)
+        np.testing.assert_array_equal(target.rotations, given.rotations)
+        assert follower.tracking == ("held" if silence > HOLD_AFTER else "live")
+    targets = [follower.pose]
+    for k in range(300):
+        targets.append(follower.advance(None, RELAX_AFTER + (k + 1) * DT, DT))
+    assert follower.tracking == "relaxed"
+    assert targets[-1].rotations[ELBOW, 1] == pytest.approx(-0.3)
+    np.testing.assert_array_equal(targets[-1].translation, given.translation)
+    np.testing.assert_array_equal(targets[-1].rotations[~RELAXING], given.rotations[~RELAXING])
+    for _ in range(300):
+        targets.append(follower.advance(arrival(given, gap=5.0), 0.0, DT))
+    assert follower.tracking == "live"
+    assert speeds(targets)[1] <= 1.01 * JOINT_SPEED
+    np.testing.assert_array_equal(targets[-1].rotations, given.rotations)
+
+
+def test_joints_that_are_not_tracked_are_kept_then_relax(follower):
+    live(follower, pose(elbow=0.8), 300)
+    tracked = np.ones(55, dtype=bool)
+    tracked[ELBOW] = False
+    held = [
+        follower.advance(arrival(pose(elbow=0.0), tracked), 0.0, DT)
+        for _ in range(int(0.9 * RELAX_AFTER / DT))
+    ]
+    assert {target.rotations[ELBOW, 1] for target in held} == {0.8}
+    for _ in range(int(RELAX_AFTER / DT)):
+        target = follower.advance(arrival(pose(elbow=0.0), tracked), 0.0, DT)
+    assert target.rotations[ELBOW, 1] == pytest.approx(-0.3)
+
+
+def test_slow_senders_are_interpolated(follower):
+    """A pose of 30 Hz is reached in three steps of 90 Hz, at the speed of the motion."""
+    live(follower)
+    for _ in range(10):  # the usual gap is 3 steps
+        follower.advance(arrival(pose(), gap=3 * DT), 0.0, 3 * DT)
+    follower.advance(arrival(pose(x=0.09), gap=3 * DT), 0.0, 3 * DT)
+    xs = [follower.pose.translation[0]]
+    xs += [follower.advance(None, DT, 3 * DT).translation[0] for _ in range(3)]
+    assert xs == pytest.approx([0.03, 0.06, 0.09, 0.09])
+
+
+def test_other_axes_are_turned_into_the_start_s(follower):
+    live(follower)
+    axes = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
+    given = pose(axes=axes)
+    for _ in range(300):
+        target = follower.advance(arrival(given), 0.0, DT)
+    pelvis = given.translation + axes @ PELVIS
+    np.testing.assert_allclose(target.translation + target.axes @ PELVIS, pelvis, atol=1e-12)
+
+
+def test_put(follower):
+    follower.put(pose(x=4.0))
+    assert follower.pose.translation[0] == 4.0

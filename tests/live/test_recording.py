@@ -1,0 +1,122 @@
+"""A session as a result file, whole or cut off."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+
+import halfphysics as hp
+from halfphysics.errors import FileError
+from halfphysics.live import schema
+from halfphysics.live.incoming import IncomingPose
+from halfphysics.live.recording import Recorder
+
+
+def record(session, path, frames=50, during=None):
+    """Record some steps; returns the recorder, still open, and the frames."""
+    recorder = Recorder(path, session.simulator)
+    session.listen(recorder.add)
+    made = []
+    for k in range(frames):
+        if during is not None:
+            during(k)
+        target = session.newest.targets["person0"]
+        pose = hp.Pose(np.add(target.translation, (0.01, 0.0, 0.0)), target.rotations)
+        session.deliver(IncomingPose("person0", pose, k / 90))
+        made.append(session.step())
+    session.unlisten(recorder.add)
+    return recorder, made
+
+
+def test_a_recording_is_the_frames(session, tmp_path):
+    recorder, frames = record(session, tmp_path / "out.npz")
+    recorder.close()
+    assert not recorder.partial.exists()
+    result = hp.Result.load(tmp_path / "out.npz")
+    assert (len(result), result.fps, recorder.left_out) == (50, pytest.approx(90.0), 0)
+    assert result.names == ("floor", "wall", "ball", "person0", "person1")
+    for i, name in enumerate(("person0", "person1")):
+        person = result.people[i]
+        moved = np.stack([f.poses[name].rotations for f in frames])
+        np.testing.assert_array_equal(person.motion.rotations, moved)
+        asked = np.stack([f.targets[name].translation for f in frames])
+        np.testing.assert_array_equal(person.reference.translation, asked)
+        torque = np.stack([f.simulated.torques[i] for f in frames])
+        np.testing.assert_array_equal(person.torque, torque)
+    ball = np.stack([f.objects["ball"][0] for f in frames])
+    np.testing.assert_array_equal(result.objects["ball"].position, ball)
+    np.testing.assert_array_equal(result.clearance, [f.clearance for f in frames])
+    assert len(result.contacts) == sum(len(f.contacts.part) for f in frames)
+    np.testing.assert_array_equal(
+        result.contacts.impulse, np.concatenate([f.contacts.impulse for f in frames])
+    )
+    assert result.scene.statics["wall"].shape == hp.Box((0.2, 4, 2))
+    assert result.settings == session.simulator.settings
+
+
+def test_what_comes_and_goes_rests_meanwhile(session, tmp_path):
+    add = schema.Add("crate", "box:0.2:0.2:0.2", 2.0, (0.0, 3.0, 1.0))
+
+    def during(k):
+        if k in (10, 30):
+            session.edit(add if k == 10 else schema.Remove("crate"), lambda reason: None)
+
+    recorder, frames = record(session, tmp_path / "out.npz", during=during)
+    recorder.close()
+    result = hp.Result.load(tmp_path / "out.npz")
+    assert len(result) == 50
+    crate = result.objects["crate"].position
+    there = np.stack([f.objects["crate"][0] for f in frames if "crate" in f.objects])
+    np.testing.assert_array_equal(crate[10:30], there)
+    np.testing.assert_array_equal(crate[:10], np.repeat(there[:1], 10, axis=0))
+    np.testing.assert_array_equal(crate[30:], np.repeat(there[-1:], 20, axis=0))
+    assert set(result.names[-2:]) == {"person0", "person1"}
+    assert "crate" in result.scene.objects
+    # Names of contacts are those of the frame in which they were.
+    row = 0
+    for frame in frames:
+        for other in frame.contacts.other:
+            assert result.names[result.contacts.other[row]] == frame.names[other]
+            row += 1
+
+
+def test_an_unfinished_recording_is_a_result(session, tmp_path):
+    """What was stepped more than a block ago is there, whatever happens to the process."""
+    recorder, frames = record(session, tmp_path / "out.npz", frames=30)
+    deadline = time.monotonic() + 30.0
+    while time.monotonic() < deadline:
+        try:
+            result = hp.Result.load(recorder.partial)
+            if len(result) == 30:
+                break
+        except FileError:
+            pass
+        time.sleep(0.05)
+    assert len(result) == 30
+    np.testing.assert_array_equal(
+        result.motion.translation, [f.poses["person0"].translation for f in frames]
+    )
+    recorder.close()
+
+
+def test_an_earlier_recording_is_not_overwritten(session, tmp_path):
+    (tmp_path / "out.npz.unfinished").write_bytes(b"precious")
+    with pytest.raises(FileError, match="not finished"):
+        Recorder(tmp_path / "out.npz", session.simulator)
+    assert (tmp_path / "out.npz.unfinished").read_bytes() == b"precious"
+
+
+def test_nothing_to_record_stays_as_it_is(session, tmp_path):
+    recorder = Recorder(tmp_path / "out.npz", session.simulator)
+    recorder.close()
+    assert recorder.partial.exists()
+    assert not (tmp_path / "out.npz").exists()
+    with pytest.raises(FileError, match="no frames"):
+        hp.Result.load(recorder.partial)
+
+
+def test_a_folder_that_is_not_there(session, tmp_path):
+    with pytest.raises(FileError, match="cannot write"):
+        Recorder(tmp_path / "nowhere" / "out.npz", session.simulator)

@@ -1,0 +1,94 @@
+"""`hp.serve`, and a process that is killed while it records."""
+
+from __future__ import annotations
+
+import pytest
+
+import halfphysics as hp
+from halfphysics.errors import FileError, InputError
+from support.live.process import ServerProcess
+
+
+def test_a_session_with_all_of_it(scene, tmp_path):
+    path = tmp_path / "out.npz"
+    with hp.serve(scene, body=[hp.Body.default()] * 2, port=0, record=path) as served:
+        assert repr(served) == f"LiveServer(2 people, at {served.url})"
+        with hp.connect(served.url) as live:
+            pose = live.receive(20).poses["person1"]
+            for _ in range(30):
+                live.send({"person1": pose})
+                live.receive(20)
+        assert served.latency.percentiles(50.0)[0] < 10.0
+    assert not served.running
+    assert repr(served) == "LiveServer(2 people, stopped)"
+    served.stop()  # twice is fine
+    result = hp.Result.load(path)
+    assert len(result) == served.session.frames
+    assert served.recorder.left_out == 0
+
+
+def test_beyond_this_machine_there_is_a_token(scene):
+    with hp.serve(scene, host="0.0.0.0", port=0) as served:
+        assert "/?token=" in served.url
+        assert served.url.startswith("ws://127.0.0.1:")
+        with hp.connect(served.url) as live:
+            assert live.people == ("person",)
+        with pytest.raises(FileError, match="token"):
+            hp.connect(served.url.partition("/?")[0])
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"fps": 5.0}, "fps"),
+        ({"fps": float("nan")}, "fps"),
+        ({"port": -1}, "port"),
+        ({"port": 2.5}, "port"),
+        ({"token": "short"}, "token"),
+        ({"host": "no.such.host.invalid"}, "no address"),
+        ({"listen": ["vmc:0", "vmc:0"]}, "at most one for each"),
+        ({"listen": ["telepathy"]}, "telepathy"),
+    ],
+)
+def test_mistakes(scene, options, said):
+    with pytest.raises(InputError, match=said):
+        hp.serve(scene, **{"port": 0, **options})
+
+
+def test_what_failed_to_start_leaves_nothing(scene, tmp_path):
+    """The port is free again, and no thread of it runs."""
+    with hp.serve(scene, port=0) as served:
+        port = served.server.port
+        with pytest.raises(FileError, match="in use"):
+            hp.serve(scene, port=port)
+    with pytest.raises(InputError, match="telepathy"):
+        hp.serve(scene, port=port, listen=["telepathy"])
+    with hp.serve(scene, port=port) as served:
+        assert served.running
+
+
+def test_poses_come_in_by_another_protocol(scene):
+    with hp.serve(scene, port=0, listen=["vmc:0"]) as served:
+        assert served.running
+
+
+def test_killed_it_has_recorded_all_but_the_last_second(tmp_path):
+    server = ServerProcess("shake_hands", "--out", str(tmp_path / "out.npz"))
+    with hp.connect(server.url) as live:
+        first = live.receive(20).clock
+        while (last := live.receive(20)).clock - first < 2.5:
+            pass
+        server.kill()
+    result = hp.Result.load(tmp_path / "out.npz.unfinished")
+    assert len(result) / result.fps > last.time - 1.0
+    assert not (tmp_path / "out.npz").exists()
+
+
+def test_pages(scene):
+    """Pages that are there are served; none is needed."""
+    from halfphysics.live.pages import pages
+
+    for path, (kind, content) in pages().items():
+        assert path.startswith("/")
+        assert kind.startswith("text/html")
+        assert content

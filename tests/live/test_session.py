@@ -1,0 +1,140 @@
+"""A session without a server: poses in, frames out."""
+
+from __future__ import annotations
+
+import threading
+
+import numpy as np
+import pytest
+
+import halfphysics as hp
+from halfphysics.errors import InputError
+from halfphysics.live import schema
+from halfphysics.live.incoming import IncomingPose
+from halfphysics.live.session import Session
+
+
+def moved(session, person, by, **changes):
+    """A person's present target, moved by (3,) [m]."""
+    pose = session.newest.targets[person]
+    return IncomingPose(person, hp.Pose(pose.translation + by, pose.rotations), **changes)
+
+
+def test_people_stand_and_nothing_happens(session):
+    first = session.newest
+    for _ in range(30):
+        frame = session.step()
+    assert frame.frame == 30
+    assert frame.time == pytest.approx(30 / 90)
+    for name in ("person0", "person1"):
+        off = frame.poses[name].translation - first.poses[name].translation
+        assert np.abs(off).max() < 2e-3
+        assert frame.tracking[name] == "waiting"
+    assert frame.stamps == {}
+
+
+def test_free_motion_comes_back_as_it_was_sent(session):
+    """Within the exactness of the drive: nothing is in the way of a raised arm."""
+    for k in range(60):
+        pose = session.newest.targets["person0"]
+        rotations = pose.rotations.copy()
+        rotations[16] = (0.0, 0.0, -1.25 + 0.01 * k)
+        session.deliver(IncomingPose("person0", hp.Pose(pose.translation, rotations), k / 90))
+        frame = session.step()
+    sent = frame.targets["person0"].rotations[16]
+    assert np.abs(frame.poses["person0"].rotations[16] - sent).max() < 1e-3
+    assert frame.stamps["person0"].sent == 59 / 90
+    assert frame.stamps["person0"].received <= frame.stamps["person0"].stepped <= frame.clock
+    assert "person1" not in frame.stamps
+
+
+def test_a_wall_stops(session):
+    """Sent 4 m through the wall at 2 m/s, the body stays before it and the wall is felt."""
+    felt = 0.0
+    for _ in range(180):
+        session.deliver(moved(session, "person0", (2.0 / 90.0, 0, 0)))
+        frame = session.step()
+        wall = frame.names.index("wall")
+        hit = (frame.contacts.other == wall) & (frame.contacts.person == 0)
+        felt = max(felt, np.abs(frame.contacts.impulse[hit]).sum())
+    body = session.simulator.bodies[0]
+    assert body.joints(frame.poses["person0"])[:, 0].max() < 1.9
+    assert body.joints(frame.targets["person0"])[0, 0] > 3.0
+    assert felt > 0.1
+
+
+def test_the_same_poses_give_the_same_bits(scene):
+    def run():
+        clock = iter(range(10**9))
+        session = Session(scene, now=lambda: next(clock) * 1e-4)
+        for k in range(40):
+            session.deliver(moved(session, "person", (0.01, 0, 0), time=k / 90))
+            session.step()
+        return session.simulator.get_state().numbers
+
+    assert run() == run()
+
+
+def test_a_running_session_steps_in_real_time(session):
+    frames, enough = [], threading.Event()
+
+    def listen(frame):
+        frames.append(frame)
+        if len(frames) == 20:
+            enough.set()
+
+    session.listen(listen)
+    session.start()
+    assert session.running
+    with pytest.raises(InputError, match="runs already"):
+        session.start()
+    assert enough.wait(30.0)
+    session.unlisten(listen)
+    session.stop()
+    assert not session.running
+    assert [f.frame for f in frames] == list(range(1, len(frames) + 1))
+
+
+def test_edits_are_answered(session):
+    answers = []
+    session.edit(schema.Mass("ball", 2.0), answers.append)
+    session.edit(schema.Mass("moon", 2.0), answers.append)
+    session.step()
+    assert answers[0] is None
+    assert "moon" in answers[1]
+    assert session.edited == 1
+
+
+def test_too_many_edits_are_refused_not_queued(session):
+    answers = []
+    for _ in range(300):
+        session.edit(schema.Mass("ball", 2.0), answers.append)
+    assert len(answers) == 44
+    assert all("Ask again later" in answer for answer in answers)
+
+
+def test_a_step_that_fails_does_not_end_the_session(session, monkeypatch):
+    good = session.simulator.step
+    failures = []
+
+    def step(targets):
+        if len(failures) < 3:
+            failures.append(1)
+            raise RuntimeError("a fault")
+        return good(targets)
+
+    monkeypatch.setattr(session.simulator, "step", step)
+    done = threading.Event()
+    session.listen(lambda frame: done.set())
+    session.start()
+    assert done.wait(30.0)
+    session.stop()
+    assert (len(failures), session.trouble) == (3, "")
+
+
+def test_the_first_people_start_where_they_are_put(scene):
+    pose = Session(scene).newest.poses["person"]
+    there = hp.Pose(np.add(pose.translation, (0.0, -1.5, 0.0)), pose.rotations)
+    session = Session(scene, body=[hp.Body.default()] * 2, start=[there])
+    np.testing.assert_allclose(session.newest.poses["person0"].translation, there.translation)
+    assert len(session.newest.poses) == 2

@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 
 from halfphysics.cli import main
-from support.results.small_result import small_result
+from support.small_results import alone
 
 
 @pytest.fixture
 def result(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    small_result().save("result.npz")
+    alone().save("result.npz")
     return "result.npz"
 
 

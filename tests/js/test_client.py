@@ -1,4 +1,4 @@
-"""The TypeScript client: its own tests in node, against a real server; its page is the built one."""
+"""The TypeScript client: its own tests in node against a real server; its page is as built."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Packages of js/ in tests: only where node and their dependencies are there; nothing is fetched."""
+"""Packages of js/ in tests, where node and their dependencies are there; nothing is fetched."""
 
 from __future__ import annotations
 

@@ -128,14 +128,20 @@ class LiveHands:
 
 def newest(actions: Sequence[Action]) -> list[Action]:
     """Without moves and values that the next action replaces."""
-    kept = []
-    for k, action in enumerate(actions):
-        later = actions[k + 1] if k + 1 < len(actions) else None
-        moves = isinstance(action, Drag) and action.pointer is not None and action.grip is None
-        if moves and isinstance(later, Drag) and later.name == action.name:
-            continue
-        same = type(later) is type(action) and later.name == action.name  # type: ignore[union-attr]
-        if isinstance(action, Mass | Friction) and same:
-            continue
-        kept.append(action)
-    return kept
+    return [
+        action
+        for k, action in enumerate(actions)
+        if k + 1 == len(actions) or not _replaces(actions[k + 1], action)
+    ]
+
+
+def _replaces(later: Action, action: Action) -> bool:
+    """Whether the next action makes one unnecessary."""
+    if isinstance(later, Drag) and isinstance(action, Drag):
+        moves = action.pointer is not None and action.grip is None
+        return moves and later.name == action.name
+    if isinstance(later, Mass) and isinstance(action, Mass):
+        return later.name == action.name
+    if isinstance(later, Friction) and isinstance(action, Friction):
+        return later.name == action.name
+    return False

@@ -100,8 +100,8 @@ def scene_of(statics: Sequence[SceneItem], objects: Sequence[SceneItem]) -> Scen
         scene.add_static(item.name, shape, **place)
     for item in objects:
         shape, place = _shape(item)
-        pieces = {} if isinstance(shape, Box | Sphere | Capsule | Cylinder) else {"pieces": "hull"}
-        scene.add_object(item.name, shape, mass=1.0, **place, **pieces)
+        pieces = "hull" if isinstance(shape, trimesh.Trimesh) else "auto"
+        scene.add_object(item.name, shape, mass=1.0, pieces=pieces, **place)
     return scene
 
 

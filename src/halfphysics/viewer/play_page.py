@@ -35,7 +35,7 @@ _VIEW = (1280, 720)
 _FIRST = range(1)
 
 
-@dataclass(frozen=True)
+@dataclass
 class NoContacts:
     """Contacts of a page before its simulation starts.
 

@@ -32,8 +32,7 @@ class Slider {
 }
 
 class Knobs {
-  /** @param physics The simulation. @param act {restart(), own()}: start again; the scenario's values. */
-  constructor(physics, act) {
+  constructor(physics) {
     this.physics = physics;
     const { play } = physics;
     this.stiffness = new Slider("Stiffness λ", { low: 0, high: 10 }, (value) => physics.turn("stiffness", value));
@@ -59,7 +58,7 @@ class Knobs {
       ...(play.people.length ? [this.stiffness.element] : []), ...things,
       make("div", { class: "hp-layers" }, make("label", {}, this.loop, "Loop"),
         make("label", { title: "The motion stands still, physics goes on" }, this.hold, "Hold the pose")),
-      make("div", { class: "hp-cameras" }, make("button", { onclick: () => act.restart() }, "Start again"),
+      make("div", { class: "hp-cameras" }, make("button", { onclick: () => physics.restart() }, "Start again"),
         make("button", { onclick: () => { physics.own(); this.refresh(); } }, "As it was")));
     this.refresh();
   }

@@ -6,6 +6,7 @@ class LiveMarks {
     this.kinds = kinds;
     this.force = kinds.map(() => new Float32Array(frames));
     this.late = true;
+    this.marked = 0;
   }
 
   add(frame, contacts) {
@@ -15,6 +16,15 @@ class LiveMarks {
       this.late ||= most !== this.force[k][frame];
       this.force[k][frame] = most;
     });
+  }
+
+  /** Shows new marks, twice a second at most. */
+  refresh(bar) {
+    const now = performance.now();
+    if (!this.late || now - this.marked < 500) return;
+    this.late = false;
+    this.marked = now;
+    bar.setMarks(this.rows());
   }
 
   rows() {
@@ -47,97 +57,103 @@ function trackNow(people) {
   return [...boxes(all), ...middle, ...left, ...boxes(people.flatMap((one) => hands.map((j) => one[j])))];
 }
 
+/** Draws the state of the simulation. */
+class PlayScene {
+  constructor(physics) {
+    this.physics = physics;
+    this.paint = new SkinForces(data.ramp);
+    this.nodes = new ContactNodes(data.play.kinds);
+    this.figures = data.play.people.map((person) => new FigureNodes(person));
+    this.shown = -1;
+  }
+
+  /** Draws it if it is new. */
+  refresh() {
+    const { changes } = this.physics;
+    if (this.shown === changes || !data.people.every(node)) return;
+    this.shown = changes;
+    this.show();
+    redraw();
+  }
+
+  show() {
+    const { physics } = this;
+    const { play } = data;
+    const people = play.people.map((_, k) => physics.joints(k));
+    people.forEach((frames, k) => this.figures[k].show(frames, physics.reference(k)));
+    for (const object of play.objects) placed(object.node, physics.place(object));
+    this.nodes.show(physics.contacts);
+    data.track[1] = trackNow(people);
+    placed(play.subject, [data.track[1].slice(6, 9), IDENTITY]);
+    people.forEach((frames, k) => this.paint.show(data.people[k], physics.contacts
+      .filter((one) => one.person === k && Math.hypot(...one.force) >= 1)
+      .map((one) => atRest(play.people[k], frames, one))));
+  }
+
+  layer(layer, on) {
+    if (layer.id === "skin") this.paint.on = on;
+    for (const name of layer.nodes) setVisible(name, on);
+    this.shown = -1;
+    redraw();
+  }
+}
+
 async function startPlay(packed) {
   data = packed;
-  const { play } = packed;
   data.track = [...data.track, data.track[0]]; // the first frame, and now
   aimFirst();
-  let physics = null;
   try {
-    physics = await Physics.load(play);
+    const physics = await Physics.load(packed.play);
+    whenLoaded(() => playPage(physics));
   } catch (error) {
     console.error(error);
     whenLoaded(() => say(`The physics does not start here: ${error.message}`, 60));
-    return;
   }
-  whenLoaded(() => {
-    const cameras = new PageCameras();
-    const bar = new Bar(physics);
-    const paint = new SkinForces(data.ramp);
-    const marks = new LiveMarks(play.kinds, physics.frames);
-    const nodes = new ContactNodes(play.kinds);
-    const figures = play.people.map((person) => new FigureNodes(person));
-    const pointer = new Pointer(physics, play.objects.filter((one) => one.free));
-    physics.before = (dt) => pointer.pull(dt);
-    physics.after = () => marks.add(physics.index, physics.contacts);
-    const follow = () => {
-      cameras.follow(1);
-      panel.follow.classList.toggle("hp-on", cameras.following);
-    };
-    const panel = new PagePanel({
-      layer(layer, on) {
-        if (layer.id === "skin") paint.on = on;
-        for (const name of layer.nodes) setVisible(name, on);
-        shown = -1;
-        redraw();
-      },
-      camera(name) {
-        if (name === "Everything") cameras.everything(1);
-        else if (name === "First") cameras.home(1);
-        else cameras.preset(name, 1);
-        panel.follow.classList.toggle("hp-on", cameras.following);
-      },
-      follow,
-    });
-    const knobs = new Knobs(physics, { restart: () => physics.restart() });
-    panel.folded.prepend(knobs.element);
-    panel.follow.classList.toggle("hp-on", cameras.following);
-    document.body.append(bar.element, panel.element);
-    bar.setMarks(marks.rows());
-    const keys = { ...commonKeys(physics, { next: () => say("Nothing to compare: this runs now.") }),
-      f: follow, 0: () => cameras.home(1),
-      ...Object.fromEntries(PRESETS.map((name, k) => [`${k + 1}`, () => cameras.preset(name, 1)])) };
-    listenToKeys(keys);
-    let shown = -1;
-    let marked = 0;
+}
 
-    function show() {
-      const { contacts } = physics;
-      const people = play.people.map((_, k) => physics.joints(k));
-      people.forEach((frames, k) => figures[k].show(frames, physics.reference(k)));
-      for (const object of play.objects) placed(object.node, physics.place(object));
-      nodes.show(contacts);
-      if (people.length) {
-        data.track[1] = trackNow(people);
-        placed(play.subject, [data.track[1].slice(6, 9), IDENTITY]);
-      }
-      people.forEach((frames, k) => paint.show(data.people[k], contacts
-        .filter((one) => one.person === k && Math.hypot(...one.force) >= 1)
-        .map((one) => atRest(play.people[k], frames, one))));
-      redraw();
-    }
-
-    whenReady(() => {
-      const begin = () => (physics.playing = true);
-      if (document.getElementById("first")) addEventListener("first-picture", begin, { once: true });
-      else begin();
-      frameLoop(() => {
-        physics.tick();
-        if (shown !== physics.changes && data.people.every(node)) {
-          shown = physics.changes;
-          show();
-        }
-        const now = performance.now();
-        if (marks.late && now - marked > 500) {
-          marked = now;
-          marks.late = false;
-          bar.setMarks(marks.rows());
-        }
-        cameras.tick(1);
-        bar.refresh();
-        knobs.status.textContent = physics.pace();
-      });
-    });
-    window.halfphysics = { physics, cameras, paint, pointer, knobs, clock: physics };
+function playPage(physics) {
+  const cameras = new PageCameras();
+  const scene = new PlayScene(physics);
+  const marks = new LiveMarks(data.play.kinds, physics.frames);
+  const pointer = new Pointer(physics, data.play.objects.filter((one) => one.free));
+  physics.before = (dt) => pointer.pull(dt);
+  physics.after = () => marks.add(physics.index, physics.contacts);
+  const bar = new Bar(physics);
+  const following = () => panel.follow.classList.toggle("hp-on", cameras.following);
+  const follow = () => {
+    cameras.follow(1);
+    following();
+  };
+  const panel = new PagePanel({
+    layer: (layer, on) => scene.layer(layer, on),
+    camera(name) {
+      if (name === "Everything") cameras.everything(1);
+      else if (name === "First") cameras.home(1);
+      else cameras.preset(name, 1);
+      following();
+    },
+    follow,
   });
+  const knobs = new Knobs(physics);
+  panel.folded.prepend(knobs.element);
+  following();
+  document.body.append(bar.element, panel.element);
+  bar.setMarks(marks.rows());
+  listenToKeys({ ...commonKeys(physics, { next: () => say("There is nothing to compare: this runs now.") }),
+    f: follow, 0: () => cameras.home(1),
+    ...Object.fromEntries(PRESETS.map((name, k) => [`${k + 1}`, () => cameras.preset(name, 1)])) });
+  whenReady(() => {
+    const begin = () => (physics.playing = true);
+    if (document.getElementById("first")) addEventListener("first-picture", begin, { once: true });
+    else begin();
+    frameLoop(() => {
+      physics.tick();
+      scene.refresh();
+      marks.refresh(bar);
+      cameras.tick(1);
+      bar.refresh();
+      knobs.status.textContent = physics.pace();
+    });
+  });
+  window.halfphysics = { physics, cameras, pointer, knobs, clock: physics };
 }

@@ -18,7 +18,7 @@ pytestmark = [
 ]
 
 #: Frames of the kick: the ball has been kicked by then.
-FRAMES = 80
+FRAMES = 110
 #: Largest difference of any joint or object from `hp.simulate` [m], and of quaternions. The core
 #: adds and multiplies alike everywhere; sines and cosines are the C library's, which differ in
 #: their last bit.
@@ -127,7 +127,7 @@ def test_the_ball_is_dragged_by_the_pointer(page):
     mouse.move(x, y)
     mouse.down()
     assert ask(page, "return pointer.drag && pointer.drag.object.name;") == "ball"
-    mouse.move(x, y - 90, steps=4)
+    mouse.move(x, y - 160, steps=4)
     page.until(
         lambda: ask(page, "return physics.place(physics.play.objects[0])[0];")[2] > start[2] + 0.2
     )

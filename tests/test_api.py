@@ -13,7 +13,7 @@ import halfphysics as hp
 HEAVY = ("mujoco", "trimesh", "viser", "scipy", "tyro", "yaml", "PIL")
 
 NAMES = """
-JOINT_NAMES Body Box Capsule Cylinder HalfPhysicsError HalfPhysicsWarning Mesh Motion Plane Pose
+compile_world JOINT_NAMES Body Box Capsule Cylinder HalfPhysicsError HalfPhysicsWarning Mesh Motion Plane Pose
 Result Scene Sequence Settings Simulator Sphere __version__ attach baselines clips errors export
 adapt fix judge load_sequence metrics progress scenarios simulate simulate_many support
 view
@@ -38,6 +38,7 @@ PARAMETERS = {
     "Motion.save": "self path format * body",
     "Motion.rebased": "self body up",
     "clips": "path",
+    "compile_world": "scene * body settings",
     "export": "what path * body fps",
     "adapt": "motion scene body recorded * settings grip others",
     "load_sequence": "path assets * objects adapt grip ground fps up hands model gender frames "

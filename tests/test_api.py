@@ -81,6 +81,7 @@ PARAMETERS = {
     "Simulator": "scene * body settings fps",
     "Simulator.reset": "self pose",
     "Simulator.step": "self pose dt",
+    "Simulator.save_world": "self path",
     "Simulator.set_stiffness": "self value * person",
     "Simulator.velocity": "self name",
     "Simulator.set_velocity": "self name velocity angular_velocity",

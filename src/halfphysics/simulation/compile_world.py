@@ -113,7 +113,7 @@ def _label(recorder: CallRecorder, world: World, axes: Sequence[Array]) -> None:
 
 def _label_items(recorder: CallRecorder, world: World) -> None:
     for place, item in zip(world.objects, world.made_of.objects.values(), strict=True):
-        free = isinstance(place, FreeObject)
+        pushable = isinstance(place, FreeObject) and not isinstance(item, KinematicObject)
         recorder.keep(
             "label_object",
             name=place.name,
@@ -121,8 +121,8 @@ def _label_items(recorder: CallRecorder, world: World) -> None:
             qpos=place.qpos if isinstance(place, FreeObject) else -1,
             dof=place.dof if isinstance(place, FreeObject) else -1,
             com=place.com,
-            inertia=np.asarray(item.inertia, dtype=np.float64),
-            pushable=free and not isinstance(item, KinematicObject),
+            inertia=np.asarray(item.inertia if pushable else np.eye(3), dtype=np.float64),
+            pushable=pushable,
         )
     for articulated in world.made_of.articulated.values():
         for i, name in enumerate(articulated.link_names):

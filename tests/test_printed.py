@@ -15,6 +15,8 @@ from pathlib import Path
 
 import pytest
 
+from halfphysics.cli import serve
+from halfphysics.live.client import connect
 from halfphysics.scene.scene import Scene
 from halfphysics.sweep import Plan
 from halfphysics.viewer.served import Served
@@ -94,7 +96,13 @@ def served(monkeypatch) -> list[str]:
         answered.append(self.url)
         self.stop()
 
+    def ask_live(self, live) -> None:
+        with connect(live.url) as client:
+            assert client.receive(20.0).poses
+        answered.append(live.url)
+
     monkeypatch.setattr(Served, "wait", ask)
+    monkeypatch.setattr(serve.Command, "_wait", ask_live)
     return answered
 
 

@@ -132,6 +132,20 @@ def test_a_step_that_fails_does_not_end_the_session(session, monkeypatch):
     assert (len(failures), session.trouble) == (3, "")
 
 
+def test_a_listener_that_fails_harms_nobody(session, caplog):
+    heard = []
+
+    def broken(frame):
+        raise OSError("no route")
+
+    session.listen(broken)
+    session.listen(heard.append)
+    for _ in range(3):
+        session.step()
+    assert len(heard) == 3
+    assert len(caplog.records) == 1
+
+
 def test_the_first_people_start_where_they_are_put(scene):
     pose = Session(scene).newest.poses["person"]
     there = hp.Pose(np.add(pose.translation, (0.0, -1.5, 0.0)), pose.rotations)

@@ -75,3 +75,13 @@ def test_a_large_file_is_refused_before_it_is_read(dropped, walk, monkeypatch):
     with pytest.raises(InputError, match=r"walk\.npz: 0 MB, expected up to"):
         dropped.read("walk.npz", walk)
     assert dropped._folder is None
+
+
+def test_all_files_have_a_total_size(dropped, walk, monkeypatch):
+    monkeypatch.setattr(module, "TOTAL", 2 * len(walk) + 1)
+    dropped.read("walk.npz", walk)
+    with pytest.raises(InputError):
+        dropped.read("no motion.npz", walk[: len(walk) // 2])  # not kept, so it does not count
+    dropped.read("walk.npz", walk)
+    with pytest.raises(InputError, match="Start halfphysics view again"):
+        dropped.read("walk.npz", walk)

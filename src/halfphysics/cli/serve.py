@@ -50,7 +50,7 @@ class Command:
     fps: float = 90.0
     """Steps per second: at least the rate of the poses."""
     port: int = 8765
-    """Port to listen on; 0: any that is free."""
+    """Port to listen on; where it is in use, the next one that is free; 0: any."""
     host: str = "127.0.0.1"
     """Address to listen on; 0.0.0.0: other machines can connect, and need the token."""
     token: str | None = None
@@ -100,6 +100,8 @@ class Command:
             listen=self.listen,
             forward=self.forward,
         ) as live:
+            if self.port not in (0, live.server.port):
+                print(f"port {self.port} is in use, taking {live.server.port}")
             print(f"a live session of {', '.join(live.session.people)} at {live.url}", flush=True)
             with quick_answers():
                 self._wait(live)

@@ -55,7 +55,7 @@ def serve(
         settings: See `Settings`.
         fps: Steps per second.
         host: Address to listen on; beyond this machine's loopback clients need a token.
-        port: Port to listen on; 0: any that is free.
+        port: Port to listen on; the next free one if it is in use; 0: any.
         token: What clients must give; None: nothing on the loopback, else a new one.
         origins: Origins of web pages of other servers that may connect.
         record: Result file to write when the server stops; see docs/live.md.
@@ -68,7 +68,7 @@ def serve(
 
     Raises:
         InputError: An impossible value.
-        FileError: The port is in use, or the recording cannot be written.
+        FileError: No port is free, or the recording cannot be written.
         MissingDependencyError: A protocol needs a package that is not installed.
     """
     fps = number(fps, "fps", least=RATES[0], most=RATES[1])

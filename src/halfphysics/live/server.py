@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import http
 import logging
 import socket
@@ -33,6 +34,9 @@ _AT_ONCE = 16
 #: Time for an opening handshake, and between two signs of life [s].
 _OPENING, _ALIVE = 5.0, 20.0
 
+#: Ports that are tried, from the one that was asked for.
+_TRIES = 50
+
 Page = tuple[str, bytes]
 
 
@@ -42,7 +46,7 @@ class Server:
     Args:
         session: The session; it is started and stopped by others.
         gate: Who may connect, and the address to listen on.
-        port: Port to listen on; 0: any that is free.
+        port: Port to listen on, or the next one that is free; 0: any.
         pages: Path, such as "/", -> content type and content of a page for browsers.
 
     Attributes:
@@ -79,8 +83,8 @@ class Server:
         """Listen; returns when clients can connect.
 
         Raises:
-            InputError: An address that this machine does not have, or a port that is none.
-            FileError: The port is in use.
+            InputError: A name that is no address.
+            FileError: An address of another machine, or no port is free.
         """
         listening = _listening(self._gate.host, self.port)
         self.port = listening.getsockname()[1]
@@ -251,21 +255,25 @@ def _protocol(connection: ServerConnection, offered: Any) -> Any:
 
 
 def _listening(host: str, port: int) -> socket.socket:
+    """A socket that listens on the port, or on the next one that is free."""
     try:
         family = socket.getaddrinfo(host, None, type=socket.SOCK_STREAM)[0][0]
-        return socket.create_server((host, port), family=family, backlog=256)
-    except OverflowError:
-        raise InputError(f"port: found {port}, expected 0 to 65535") from None
     except (socket.gaierror, UnicodeError):
         raise InputError(
             f"host: found {host!r}, which is no address. Use 127.0.0.1, or 0.0.0.0 for all "
             "addresses of this machine"
         ) from None
-    except OSError as error:
-        raise FileError(
-            f"cannot listen on port {port} of {host}: {error.strerror}. Give another port, or 0 "
-            "for any that is free"
-        ) from None
+    last = min(port + _TRIES, 65536) if port else 1
+    for number in range(port, last):
+        try:
+            return socket.create_server((host, number), family=family, backlog=256)
+        except OSError as error:
+            if error.errno != errno.EADDRINUSE:
+                raise FileError(
+                    f"cannot listen on port {number} of {host}: {error.strerror}. Give another "
+                    "address or port"
+                ) from None
+    raise FileError(f"ports {port} to {last - 1} of {host} are all in use. Give another port")
 
 
 def _quiet() -> logging.Logger:

@@ -107,6 +107,7 @@ class Session:
         self._asked: queue.Queue[_Asked] = queue.Queue(_WAITING)
         self._gone: queue.SimpleQueue[str] = queue.SimpleQueue()
         self._listeners: tuple[Listener, ...] = ()
+        self._failed: list[Listener] = []
         self._stamps: dict[str, Stamp] = {}
         self._thread: threading.Thread | None = None
         self._running = False
@@ -214,8 +215,17 @@ class Session:
         self.newest = self._outgoing(frame)
         self.trouble = ""
         for listener in self._listeners:
-            listener(self.newest)
+            self._tell(listener)
         return self.newest
+
+    def _tell(self, listener: Listener) -> None:
+        """Hand the newest frame over; a listener that fails harms neither steps nor others."""
+        try:
+            listener(self.newest)
+        except Exception:
+            if listener not in self._failed:
+                self._failed.append(listener)
+                logger.exception("a listener of the live session failed; said once")
 
     def _obey(self) -> None:
         while not self._gone.empty():

@@ -14,6 +14,8 @@ from halfphysics.viewer.motions import open_result
 
 #: Largest file [bytes]; the page refuses larger ones, too.
 LIMIT = 256 * 2**20
+#: Largest total of the files that are kept [bytes].
+TOTAL = 2048 * 2**20
 #: Letters that are kept of a name, from its end: no system's files have names of over 255 bytes.
 _LETTERS = 60
 #: What a file's name cannot have on some system.
@@ -25,7 +27,7 @@ class Dropped:
 
     def __init__(self) -> None:
         self._folder: Path | None = None
-        self._count = 0
+        self._count = self._bytes = 0
 
     def read(self, name: str, content: bytes) -> Drawing:
         """The result or motion in a file, with the meshes that it names.
@@ -44,6 +46,11 @@ class Dropped:
                 f"{plain}: {len(content) / 2**20:.0f} MB, expected up to {LIMIT / 2**20:.0f} MB. "
                 "Give it to halfphysics view instead"
             )
+        if self._bytes + len(content) > TOTAL:
+            raise InputError(
+                f"{plain}: {TOTAL // 2**20} MB of files were dropped already. Start halfphysics "
+                "view again"
+            )
         if self._folder is None:
             self._folder = Path(tempfile.mkdtemp(prefix="halfphysics-dropped-"))
         self._count += 1
@@ -52,7 +59,9 @@ class Dropped:
         try:
             folder.mkdir()
             path.write_bytes(content)
-            return Drawing(open_result(path))
+            drawing = Drawing(open_result(path))
+            self._bytes += len(content)
+            return drawing
         except OSError as error:
             shutil.rmtree(folder, ignore_errors=True)
             raise InputError(f"{plain}: cannot be kept: {error.strerror or error}") from None

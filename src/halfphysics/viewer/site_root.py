@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
+from halfphysics.viewer.guard import guard
 from halfphysics.viewer.player_script import served_head
 
 _PATCHING = threading.Lock()
@@ -63,5 +64,7 @@ class SiteRoot:
         shutil.rmtree(self.folder, ignore_errors=True)
 
 
-def _with_root(server: type, root: Path, *args: object, **options: object) -> object:
-    return server(*args, **{**options, "http_server_root": root})
+def _with_root(server: type, root: Path, host: str, *args: object, **options: object) -> object:
+    made = server(host, *args, **{**options, "http_server_root": root})
+    guard(made, host)
+    return made

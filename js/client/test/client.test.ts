@@ -11,7 +11,7 @@ import {
   type Options,
   type PersonPose,
   type SocketClass,
-} from "halfphysics-client";
+} from "@halfphysics/client";
 import { serve, type Served } from "./server.js";
 
 const SOCKET = WebSocket as unknown as SocketClass;

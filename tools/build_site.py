@@ -60,8 +60,8 @@ GIVEN = {
 CONTENTS = {
     "Start": ["install", "tutorials/index", "first-steps", "scenarios", "gallery", "limits"],
     "How to": [
-        *("viewer", "browser", "live", "pictures", "python", "c-api", "fix", "holds", "labels"),
-        "sweeps",
+        *("viewer", "browser", "live", "protocols", "pictures", "python", "c-api", "fix", "holds"),
+        *("labels", "sweeps"),
     ],
     "Look up": [
         *("reference/index", "reference/commands", "formats", "scene-files", "result-files"),

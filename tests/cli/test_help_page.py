@@ -103,7 +103,8 @@ def test_help_has_every_option_with_a_sentence(name, capsys, monkeypatch):
     out = capsys.readouterr().out
     entries = re.split(r"^  (?=\S)", out.partition("\nexamples:")[0], flags=re.MULTILINE)[1:]
     flags = {flag for entry in entries for flag in re.findall(r"--[\w-]+", entry.split("   ")[0])}
-    positional = {"motion", "motions", "file", "files", "what", "plan", "source", "target"}
+    positional = {"motion", "motions", "file", "files", "what", "where", "plan"}
+    positional |= {"source", "target"}
     expected = {f"--{option.replace('_', '-')}" for option in options_of(command)}
     missing = expected - flags
     assert {flag[2:] for flag in missing} <= positional, missing

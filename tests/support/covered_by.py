@@ -119,6 +119,7 @@ COVERED_BY = {
     "halfphysics/motion/resampling.py": "motion/test_motion.py",
     "halfphysics/motion/skeleton.py": "body/test_body.py assets/test_body.py",
     "halfphysics/motion/smplx_names.py": "motion/test_motion.py",
+    "halfphysics/live/protocols/*.py": "live/protocols/test_vmc.py live/protocols/test_udp.py",
     "halfphysics/mujoco/geoms.py": "mujoco/test_hosted.py",
     "halfphysics/reference/algorithm1.py": "reference/test_step.py native/stepping/test_drive.py",
     "halfphysics/reference/contact.py": "reference/test_step.py native/contact/test_coulomb.py",

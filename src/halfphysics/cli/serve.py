@@ -71,7 +71,7 @@ class Command:
 
     def run(self) -> None:
         """Serve until Ctrl-C."""
-        from halfphysics.live.interpreter import quick_answers
+        from halfphysics.live.interpreter import quick_answers, steady_memory
         from halfphysics.live.serve import serve
 
         if self.people is not None and self.people < 1:
@@ -80,6 +80,7 @@ class Command:
             raise InputError(f"--for: found {self.for_:g}, expected a time above 0 [s]")
         if self.out is not None:
             check_output(self.out, self.scene.scene, self.person.body)
+        steady_memory()
         scene, sequence = self._place()
         start = None if sequence is None else [motion[0] for motion in sequence.motions]
         count = self.people or (1 if start is None else len(start))

@@ -67,7 +67,7 @@ def options_of(kind: Any) -> set[str]:
         if is_dataclass(inner):
             found |= options_of(inner)
         else:
-            found.add(one.name)
+            found.add(one.name.rstrip("_"))  # `for_`: words that Python keeps for itself
     return found
 
 

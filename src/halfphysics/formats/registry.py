@@ -28,6 +28,7 @@ from halfphysics.formats.datasets import (
     core4d,
     emdb,
     grab,
+    habitat,
     humanclaw,
     interact,
     intercap,
@@ -124,6 +125,7 @@ FORMATS: dict[str, Format] = {
         romp.FORMAT,
         smplerx.FORMAT,
         bedlam.FORMAT,
+        habitat.FORMAT,
         trumans_clip.FORMAT,
         plain.FORMAT,  # after the data sets whose files have these names, too
         trumans_release.FORMAT,

@@ -34,6 +34,8 @@ _AT_ONCE = 16
 #: Time for an opening handshake, and between two signs of life [s].
 _OPENING, _ALIVE = 5.0, 20.0
 
+#: Bytes that are read at once.
+_READ = 16 * 1024
 #: Ports that are tried, from the one that was asked for.
 _TRIES = 50
 
@@ -166,6 +168,8 @@ class Server:
         own: socket.socket = connection.transport.get_extra_info("socket")
         own.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         own.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, MOST_WAITING)
+        # asyncio's own 256 KiB for every read of some 2 KB leave holes, and memory grows.
+        connection.transport.max_size = _READ  # type: ignore[attr-defined]
         client = Client(connection, self._session, f"ws:{self._opened}", self._loop)
         try:
             await client.send(self._hello())

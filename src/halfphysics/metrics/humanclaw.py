@@ -1,4 +1,4 @@
-"""HumanCLAW's measures of what a person did to a scene, by its document docs/METRICS.md.
+"""HumanCLAW's measures of what a person did to a scene, by its document METRICS.md.
 
 Of its published episodes `trajectory_before.npz` gives the jerk (`motion_jerk` of the motion that
 `Motion.load` reads); contacts are in no file of theirs, so collisions and disturbance are of a

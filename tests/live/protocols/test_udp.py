@@ -99,6 +99,17 @@ def test_what_is_no_message_takes_no_turn():
     assert receiver.counts.last_error == "found x"
 
 
+def test_a_mistake_of_ours_ends_nothing():
+    class Broken(Echo):
+        def decode(self, data, now):
+            raise ZeroDivisionError("of ours")
+
+    receiver = UdpReceiver(ANYWHERE, Broken())
+    receiver.take(b"a", "h", 0.0, lambda pose: None)
+    assert (receiver.counts.malformed, receiver.counts.datagrams) == (1, 0)
+    assert receiver.counts.last_error == "ZeroDivisionError: of ours"
+
+
 def test_the_rate_is_bounded():
     poses, receiver = [], UdpReceiver(ANYWHERE, Echo())
     for _ in range(MAX_RATE + 100):

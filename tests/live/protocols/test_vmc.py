@@ -241,6 +241,23 @@ def test_a_models_own_rest_pose_turns_the_limbs():
     assert np.allclose(arm / np.linalg.norm(arm), [np.cos(drop), 0.0, -np.sin(drop)], atol=1e-6)
 
 
+def test_a_models_legs_give_the_scale():
+    """A model of half our size: what it goes is as far for us in legs, and so is its height."""
+    pose = any_pose(11)
+    decoder = VmcDecoder(PERSON, BODY)
+    messages = [m for packet in sent(pose) for m in osc.decode(packet)]
+    half = []
+    for message in messages:
+        name, *values = message.arguments or ("",)
+        if message.address == "/VMC/Ext/Bone/Pos":
+            values = [*(0.5 * x for x in values[:3]), *values[3:]]
+            message = Message(message.address, (name, *values))
+        half.append(osc.encode(message))
+    got = decoded(decoder, half * 2)[-1]
+    assert furthest(got.pose, pose) < ANGLE
+    assert np.allclose(got.pose.translation, pose.translation, atol=PLACE)
+
+
 def test_nobody_is_not_sent():
     (packet,) = sent(None)
     assert osc.decode(packet)[0] == Message("/VMC/Ext/OK", (0, 3, 0, 0))

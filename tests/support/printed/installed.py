@@ -14,7 +14,7 @@ import pytest
 from support.paths import ROOT
 
 #: Package of an extra -> the module that is imported; the others have the name of their package.
-_MODULES = {"usd-core": "pxr", "imageio-ffmpeg": "imageio_ffmpeg"}
+_MODULES = {"usd-core": "pxr", "imageio-ffmpeg": "imageio_ffmpeg", "pyzmq": "zmq"}
 #: Extras that `./run NAME` installs.
 _SETS_UP = ("evidence", "docs")
 _INSTALL = re.compile(r"pip install ((?:-e )?[^`\n#]+)")

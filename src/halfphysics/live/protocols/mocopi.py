@@ -207,23 +207,21 @@ def _records(name: bytes, local: Array, offsets: Array, parents: Sequence[int] |
 
 def _bones(data: bytes, name: bytes) -> tuple[Array, Array, NDArray[np.bool_]]:
     """Rotations (27, 4) and positions (27, 3) in the parents' frames, and bones given (27,)."""
-    local = np.tile([1.0, 0.0, 0.0, 0.0], (N_BONES, 1))
-    offsets = np.zeros((N_BONES, 3))
+    rows = np.tile([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0], (N_BONES, 1))
     given = np.zeros(N_BONES, dtype=bool)
     for kind, value in fields(data):
         if kind != name:
             continue
         record = dict(fields(value))
         bone = int(_unpacked("<H", _needed(record, b"bnid"))[0])
-        row = np.array(_unpacked("<7f", _needed(record, b"tran")))
+        row = _unpacked("<7f", _needed(record, b"tran"))
         if bone >= N_BONES:
             continue  # of another skeleton
-        if not np.isfinite(row).all() or np.abs(row).max() > _FAR or not row[:4] @ row[:4] > 1e-6:
-            continue  # lost: as if it were not there
-        local[bone] = rot.normalize(row[[3, 0, 1, 2]])
-        offsets[bone] = row[4:]
-        given[bone] = True
-    return local, offsets, given
+        # NaN is not below anything: such a bone is lost, as if it were not there.
+        if all(abs(x) < _FAR for x in row) and sum(x * x for x in row[:4]) > 1e-6:
+            rows[bone] = row
+            given[bone] = True
+    return rot.normalize(rows[:, [3, 0, 1, 2]]), rows[:, 4:], given
 
 
 def _needed(found: dict[bytes, bytes], name: bytes) -> bytes:

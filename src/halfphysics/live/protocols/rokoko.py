@@ -122,15 +122,18 @@ class RokokoDecoder:
         body = actor.get("body")
         if not isinstance(body, dict):
             return []
-        world = np.tile([1.0, 0.0, 0.0, 0.0], (len(BONES), 1))
-        places = np.zeros((len(BONES), 3))
+        rows = np.tile([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], (len(BONES), 1))
         given = np.zeros(len(BONES), dtype=bool)
         for i, bone in enumerate(BONES):
             found = body.get(bone)
             if found is not None:
-                world[i] = rot.normalize(unity.from_xyzw(_numbers(found, "rotation", "xyzw")))
-                places[i] = unity.position(_numbers(found, "position", "xyz"))
+                place, turn = (
+                    _numbers(found, "position", "xyz"),
+                    _numbers(found, "rotation", "xyzw"),
+                )
+                rows[i] = [*place, *turn]
                 given[i] = True
+        places, world = unity.position(rows[:, :3]), rot.normalize(unity.from_xyzw(rows[:, 3:]))
         if not given[0]:
             return []
         self._fit(actor, world, places, given)

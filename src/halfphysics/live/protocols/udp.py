@@ -139,6 +139,10 @@ class UdpReceiver:
             counts.malformed += 1
             counts.last_error = str(error)[:200]
             return
+        except Exception as error:  # of ours: it must not end the session of whoever moves
+            counts.malformed += 1
+            counts.last_error = f"{type(error).__name__}: {error}"[:200]
+            return
         self._gate.took(sender, now)
         counts.datagrams += 1
         for pose in poses:

@@ -12,7 +12,7 @@ comes again begins the next one.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from halfphysics.base import rotations as rot
 from halfphysics.body.body import Body
 from halfphysics.live.incoming import IncomingPose, Outgoing
 from halfphysics.live.protocols import humanoid, osc, unity
-from halfphysics.live.protocols.calibration import calibrated
+from halfphysics.live.protocols.calibration import HEIGHTS, calibrated
 from halfphysics.live.protocols.endpoint import Endpoint
 from halfphysics.live.protocols.malformed import Malformed
 from halfphysics.live.protocols.osc import Message
@@ -45,10 +45,13 @@ _DEVICES = {
     for kind in ("Hmd", "Con", "Tra")
     for local in ("", "/Local")
 }
+_ANKLES = [JOINT_INDEX["left_ankle"], JOINT_INDEX["right_ankle"]]
 _LEFT_HIP, _RIGHT_HIP = JOINT_INDEX["left_hip"], JOINT_INDEX["right_hip"]
 # A bone whose place changes by more shows another model [m]; largest coordinate that is taken [m].
 _MOVED, _FAR = 1e-3, 1e4
 _IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
+# No place and no rotation, as they are sent.
+_REST = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
 def receiver(
@@ -82,10 +85,9 @@ class Device:
 
 @dataclass(eq=False)
 class _Frame:
-    """What has come of a frame, right-handed: rotations (55, 4), positions (55, 3)."""
+    """What has come of a frame: of each bone position and rotation as they were sent (55, 7)."""
 
-    local: Array = field(default_factory=lambda: np.tile(_IDENTITY, (N_JOINTS, 1)))
-    offsets: Array = field(default_factory=lambda: np.zeros((N_JOINTS, 3)))
+    rows: Array = field(default_factory=lambda: np.tile(_REST, (N_JOINTS, 1)))
     given: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(N_JOINTS, dtype=bool))
     done: bool = False
 
@@ -147,8 +149,7 @@ class VmcDecoder:
             self._expected = self._frame.given
             self._frame = _Frame()
         frame = self._frame
-        frame.local[joint] = rot.normalize(unity.from_xyzw(values[3:]))
-        frame.offsets[joint] = unity.position(values[:3])
+        frame.rows[joint] = values
         frame.given[joint] = True
         if not frame.done and self._expected is not None and frame.given[self._expected].all():
             poses += self._complete()
@@ -160,10 +161,10 @@ class VmcDecoder:
         if not frame.given[0]:
             return []
         root_at, root = self._root
-        local = frame.local.copy()
+        local = rot.normalize(unity.from_xyzw(frame.rows[:, 3:]))
         local[0] = rot.multiply(root, local[0])
         world = humanoid.CHAIN.world_rotations(local)
-        offsets = frame.offsets.copy()
+        offsets = unity.position(frame.rows[:, :3])
         offsets[0] = root_at + rot.rotate(root, offsets[0])
         self._fit(frame, world, offsets)
         pose, tracked = self.rig.pose(world, frame.given, offsets[0], self._body)
@@ -180,14 +181,20 @@ class VmcDecoder:
                 left = None
             self.rig = calibrated(self.rig, world, self._body, height=offsets[0, 1], left=left)
             return
-        rest = frame.offsets[1:]
+        rest = offsets[1:]
         moved = self._aligned_to is None or np.abs(rest - self._aligned_to).max() > _MOVED
         if moved and not self._calibrated:
             self._aligned_to = rest.copy()
             still = np.tile(_IDENTITY, (N_JOINTS, 1))
-            places = humanoid.CHAIN.world_positions(still, frame.offsets)
-            fresh = Rig.of(range(N_JOINTS))
+            places = humanoid.CHAIN.world_positions(still, offsets)
+            fresh = replace(Rig.of(range(N_JOINTS)), scale=self._scale(frame, places))
             self.rig = fresh.aligned(places, still, frame.given, self._body)
+
+    def _scale(self, frame: _Frame, places: Array) -> float:
+        """Our leg over the model's, from the pelvis down to the ankles; 1 if it has none."""
+        theirs, ours = (at[0, 1] - at[_ANKLES, 1].mean() for at in (places, self._body.rest_joints))
+        known = frame.given[_ANKLES].all() and HEIGHTS[0] < theirs < HEIGHTS[1]
+        return float(ours / theirs) if known else 1.0
 
     def _device(self, address: str, serial: str, values: Array) -> None:
         if serial not in self.devices and len(self.devices) >= MAX_DEVICES:
@@ -229,9 +236,6 @@ class VmcEncoder:
             Message(_BONE, (name, *row)) for name, row in zip(humanoid.BONES, rows, strict=True)
         ]
         return osc.bundles(begin + bones, MAX_PACKET)
-
-
-_REST = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
 def _checked(message: Message) -> Array | None:

@@ -14,9 +14,9 @@ HEAVY = ("mujoco", "trimesh", "viser", "scipy", "tyro", "yaml", "PIL")
 
 NAMES = """
 JOINT_NAMES Body Box Capsule Cylinder HalfPhysicsError HalfPhysicsWarning Mesh Motion Plane Pose
-Result Scene Sequence Settings Simulator Sphere __version__ attach baselines clips connect errors
-export adapt fix judge load_sequence metrics progress scenarios serve simulate simulate_many
-support view
+Result Scene Sequence Settings Simulator Sphere __version__ attach baselines clips compile_world
+connect errors export adapt fix judge load_sequence metrics progress scenarios serve simulate
+simulate_many support view
 """
 
 SETTINGS = (
@@ -38,6 +38,7 @@ PARAMETERS = {
     "Motion.save": "self path format * body",
     "Motion.rebased": "self body up",
     "clips": "path",
+    "compile_world": "scene * body settings",
     "export": "what path * body fps colliders",
     "adapt": "motion scene body recorded * settings grip others",
     "load_sequence": "path assets * objects adapt grip ground fps up hands model gender frames "
@@ -80,6 +81,7 @@ PARAMETERS = {
     "Simulator": "scene * body settings fps",
     "Simulator.reset": "self pose",
     "Simulator.step": "self pose dt",
+    "Simulator.save_world": "self path",
     "Simulator.set_stiffness": "self value * person",
     "Simulator.velocity": "self name",
     "Simulator.set_velocity": "self name velocity angular_velocity",

@@ -119,10 +119,13 @@ NATIVE = {
     "collision": "math geometry dynamics contact",
     "footing": "math geometry dynamics collision",
     "stepping": "geometry dynamics collision footing",
+    "assembly": "math geometry dynamics collision stepping",
+    "compiled": "assembly stepping",
+    "capi": "assembly compiled",
     "labels": "math geometry",
     "support": "math",
     "render": "",
-    "bindings": "math geometry stepping labels support render",
+    "bindings": "math geometry stepping assembly compiled labels support render",
 }
 
 #: Includes that run back, each with its reason.

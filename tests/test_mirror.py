@@ -11,6 +11,7 @@ OTHERS = {
     "campaigns": "long campaigns, and a sample of each (campaigns/README.md)",
     "evidence": "mirrors evidence/ at the root",
     "examples": "mirrors examples/ at the root",
+    "js": "mirrors js/ at the root: packages for browsers and node",
     "native": "mirrors src/native",
     "support": "mirrors src/halfphysics/support, and tests of what the tests share",
     "tools": "mirrors tools/ at the root",

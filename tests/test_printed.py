@@ -27,7 +27,7 @@ from support.printed.files import names, write_carry, write_files
 from support.printed.shell import READ_ONLY, lines_of, read_command, read_mention, run_line
 
 #: Languages of blocks: how each is held.
-LANGUAGES = {"python", "sh", "yaml", "text", "math", "bibtex", "bat"}
+LANGUAGES = {"python", "sh", "yaml", "text", "math", "bibtex", "bat", "ts"}
 #: Lines that are not run, and why. Each must still be printed somewhere.
 NOT_RUN = {
     "ssh -L 8080:127.0.0.1:8080 user@machine        # then open http://127.0.0.1:8080 at home": (
@@ -36,6 +36,10 @@ NOT_RUN = {
     "halfphysics sweep plan.yaml --out /shared/data --engine ray --address auto": (
         "needs a cluster of Ray; tests/sweep starts one of this machine"
     ),
+    "halfphysics view ws://127.0.0.1:8765    # people, reference, objects and contacts of "
+    "`halfphysics serve`": "needs a live session; tests/viewer/test_live_view.py has one",
+    "halfphysics play ws://127.0.0.1:8765    # and drag its objects, change their masses and "
+    "frictions": "needs a live session; tests/viewer/test_live_view.py has one",
     "halfphysics sweep plan.yaml --engine ray --address auto": "needs a cluster of Ray",
     "ray job submit --address http://head:8265 --runtime-env-json "
     """'{"pip": ["halfphysics[ray]==0.1.0"]}' """

@@ -60,15 +60,8 @@ GIVEN = {
 CONTENTS = {
     "Start": ["install", "tutorials/index", "first-steps", "scenarios", "gallery", "limits"],
     "How to": [
-        "viewer",
-        "pictures",
-        "python",
-        "fix",
-        "holds",
-        "labels",
-        "sweeps",
-        "live",
-        "protocols",
+        *("viewer", "browser", "live", "protocols", "pictures", "python", "c-api", "fix", "holds"),
+        *("labels", "sweeps"),
     ],
     "Look up": [
         *("reference/index", "reference/commands", "formats", "scene-files", "result-files"),

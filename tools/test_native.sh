@@ -5,7 +5,7 @@ set -e
 cd "$(dirname "$0")/.."
 PATH=$PATH:$PWD/.venv/bin
 command -v cmake >/dev/null 2>&1 || .venv/bin/python -m pip install --quiet "cmake>=3.18"
-cmake -S . -B build/native -DHALFPHYSICS_PYTHON=OFF -DHALFPHYSICS_BUILD_TESTS=ON >/dev/null
+cmake -S . -B build/native -DHALFPHYSICS_PYTHON=OFF -DHALFPHYSICS_BUILD_TESTS=ON -DHALFPHYSICS_C=ON >/dev/null
 cmake --build build/native -j "${JOBS:-2}"
 # Not --test-dir: that came with cmake 3.20.
 cd build/native && ctest --output-on-failure "$@"

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from halfphysics.results.result import Result
     from halfphysics.scene.scene import Scene
     from halfphysics.settings import Settings
+    from halfphysics.simulation.compile_world import compile_world
     from halfphysics.simulation.sequence import Sequence
     from halfphysics.simulation.simulate import simulate
     from halfphysics.simulation.simulate_many import simulate_many
@@ -64,6 +65,7 @@ __all__ = [
     "attach",
     "baselines",
     "clips",
+    "compile_world",
     "connect",
     "errors",
     "export",
@@ -107,6 +109,7 @@ _FROM: dict[str, str | None] = {
     "Sphere": "geometry.shapes",
     "attach": "mujoco.hosted",
     "clips": "formats.library",
+    "compile_world": "simulation.compile_world",
     "connect": "live.client",
     "export": "writers",
     "fix": "repair.repair",

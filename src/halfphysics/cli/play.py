@@ -22,7 +22,8 @@ halfphysics play
 halfphysics play push_door
 halfphysics play walk.npz
 halfphysics play kick_ball walk.npz
-halfphysics play walk.npz --object ball=sphere:0.11,mass=0.43,position=1:0:0.11 --port 9000"""
+halfphysics play walk.npz --object ball=sphere:0.11,mass=0.43,position=1:0:0.11 --port 9000
+halfphysics play ws://127.0.0.1:8765"""
 
 #: The scenario that is played by default.
 FIRST = "kick_ball"
@@ -38,10 +39,11 @@ class Command:
     """
 
     what: Annotated[
-        tuple[str, ...], tyro.conf.Positional, tyro.conf.arg(metavar="SCENARIO|MOTION")
+        tuple[str, ...], tyro.conf.Positional, tyro.conf.arg(metavar="SCENARIO|MOTION|ADDRESS")
     ] = ()
     """A built-in scenario (halfphysics scenario --list) and motion files, all of which can be
-    chosen in the page. A scenario and a motion: the motion in the scenario's scene."""
+    chosen in the page. A scenario and a motion: the motion in the scenario's scene. Or the address
+    ws://... of one live session of `halfphysics serve`, to drag its objects."""
     port: int = 8080
     """Port to listen on; where it is in use, the next one that is free."""
     host: str = "127.0.0.1"
@@ -53,8 +55,14 @@ class Command:
     def run(self) -> None:
         """Serve until Ctrl-C."""
         from halfphysics.viewer.catalog import OWN, Catalog, Choice
+        from halfphysics.viewer.live_view import is_address, view_live
         from halfphysics.viewer.playground import play
 
+        if any(map(is_address, self.what)):
+            if len(self.what) > 1:
+                raise InputError("play: found an address and more, expected one live session alone")
+            view_live(self.what[0], hands=True, host=self.host, port=self.port)
+            return
         places, files = self._sorted()
         if self.scene.given and not files:
             raise InputError(

@@ -88,7 +88,8 @@ class LiveClient:
     """A connection to a live session; see `connect`. Used by one thread; closed by `with`.
 
     Attributes:
-        hello: The first message: people, statics, objects, fps.
+        hello: The first message: people, statics, objects, fps. Its statics and objects are those
+            that are there now.
     """
 
     hello: schema.Hello
@@ -218,6 +219,20 @@ class LiveClient:
         self._put(schema.Subscribe(chosen, None if people is None else list(people), rate, key))
         self._answered(key)
 
+    def ping(self) -> tuple[float, float]:
+        """Ask for the server's clock; errors are those of `edit`.
+
+        Returns:
+            The time of the round trip [s], and the server's clock less `time.perf_counter` [s],
+            which is uncertain by half of the round trip.
+        """
+        key, start = next(self._keys), time.perf_counter()
+        self._put(schema.Ping(key))
+        pong = self._answered(key)
+        trip = time.perf_counter() - start
+        clock = pong.clock if isinstance(pong, schema.Pong) else 0.0
+        return trip, clock - (start + 0.5 * trip)
+
     def close(self) -> None:
         """Close the connection."""
         self._connection.close()
@@ -243,11 +258,14 @@ class LiveClient:
 
     def _message(self, timeout: float | None) -> schema.FromServer:
         try:
-            return schema.from_server(self._connection.recv(timeout))
+            message = schema.from_server(self._connection.recv(timeout))
         except ConnectionClosed as error:
             raise _closed(error) from None
+        if isinstance(message, schema.SceneMessage):
+            self.hello.statics, self.hello.objects = message.statics, message.objects
+        return message
 
-    def _answered(self, key: int) -> None:
+    def _answered(self, key: int) -> schema.Done | schema.Pong:
         """Wait for the answer; frames from before it are passed over."""
         ends = time.monotonic() + _ANSWERS
         while True:
@@ -259,8 +277,8 @@ class LiveClient:
                 ) from None
             if isinstance(message, schema.ErrorMessage) and message.id in (key, None):
                 raise InputError(message.message)
-            if isinstance(message, schema.Done) and message.id == key:
-                return
+            if isinstance(message, schema.Done | schema.Pong) and message.id == key:
+                return message
 
 
 def _closed(error: ConnectionClosed) -> FileError:

@@ -96,18 +96,20 @@ class Separation:
 
     Args:
         body: The body.
+
+    Attributes:
+        tips: From each joint at rest to the furthest skin that moves mainly with it (55, 3) [m].
     """
 
     def __init__(self, body: Body) -> None:
         rest = np.asarray(body.rest_joints)
         vertices = np.asarray(body.rest_vertices)
         main = np.asarray(body.weights).argmax(axis=1)
-        # From each joint to the furthest skin that moves mainly with it: the end of its part.
-        self._tips = np.zeros((N_JOINTS, 3))
+        self.tips = np.zeros((N_JOINTS, 3))
         for joint in range(N_JOINTS):
             own = vertices[main == joint] - rest[joint]
             if len(own):
-                self._tips[joint] = own[np.argmax(np.linalg.norm(own, axis=1))]
+                self.tips[joint] = own[np.argmax(np.linalg.norm(own, axis=1))]
 
     def of(self, one: tuple[Array, Array], other: tuple[Array, Array]) -> dict[str, float]:
         """The largest distance in each of `PARTS` [m].
@@ -115,7 +117,7 @@ class Separation:
         Args:
             one, other: Positions (55, 3) [m] and quaternions wxyz (55, 4) of the joints.
         """
-        ends = [p + rot.rotate(q, self._tips) for p, q in (one, other)]
+        ends = [p + rot.rotate(q, self.tips) for p, q in (one, other)]
         apart = np.maximum(
             np.linalg.norm(one[0] - other[0], axis=1), np.linalg.norm(ends[0] - ends[1], axis=1)
         )

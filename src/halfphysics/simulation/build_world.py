@@ -34,6 +34,8 @@ def build_world(
     scene: Scene,
     settings: Settings,
     held: Mapping[str, Hold] | None = None,
+    *,
+    core: Any = None,
 ) -> World:
     """Put people and a scene into a core of their own.
 
@@ -42,6 +44,7 @@ def build_world(
         scene: Statics, objects and articulated objects.
         settings: What the core is made for.
         held: Name of an object -> how a person holds it; None: nothing is held.
+        core: What takes the place of the native stepper; None: a new one.
 
     Raises:
         InputError: An item of the scene is named like a person.
@@ -53,7 +56,7 @@ def build_world(
     stiffness = stiffness_array(settings.stiffness, "Settings.stiffness")
     model = join_model(bodies, names.people, scene, held, armature_of(stiffness))
     places = _places(model, bodies, scene, names, held)
-    core = _native.Stepper()
+    core = _native.Stepper() if core is None else core
     shapes = _fill(core, model, scene, settings, names, places)
     shape_name, shape_part, static_name = shapes.arrays
     if settings.self_contact:

@@ -30,8 +30,14 @@ def mesh_tree(static: Static, rotation: Array, position: Array) -> Any:
 
     tree = _trees.get(static)
     if tree is None:
-        mesh = cast("Mesh", static.shape)
-        vertices = np.ascontiguousarray(mesh.vertices @ rotation.T + position)
-        tree = _native.MeshTree(vertices, np.ascontiguousarray(mesh.faces, dtype=np.int32))
-        _trees[static] = tree
+        tree = _trees[static] = _native.MeshTree(*world_triangles(static, rotation, position))
     return tree
+
+
+def world_triangles(
+    static: Static, rotation: Array, position: Array
+) -> tuple[Array, NDArray[np.int32]]:
+    """Vertices (V, 3) [m] in the world and faces (F, 3) of a static mesh, as the core takes them."""
+    mesh = cast("Mesh", static.shape)
+    vertices = np.ascontiguousarray(mesh.vertices @ rotation.T + position)
+    return vertices, np.ascontiguousarray(mesh.faces, dtype=np.int32)

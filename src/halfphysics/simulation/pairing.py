@@ -44,6 +44,18 @@ def set_pairings(core: Any, scene: Scene, settings: Settings, names: Names) -> N
     core.set_pairings(friction, restitution, ignore)
 
 
+def friction_rows(scene: Scene, names: Names) -> tuple[Array, NDArray[np.bool_]]:
+    """What each row has of friction of its own (rows,), and which pairs do not go by it (rows, rows)."""
+    rows = names.in_scene
+    own = np.diagonal(_by_item(scene, rows)[0]).copy()
+    number = {name: i for i, name in enumerate(dict.fromkeys(rows))}
+    item = np.array([-1 if of_person(name) else number[name] for name in rows], dtype=np.int64)
+    apart = (item[:, None] == item) & (item[:, None] >= 0)
+    for a, b in _apart(scene, set(rows)):
+        apart[np.ix_(_rows_of(rows, a), _rows_of(rows, b))] = True
+    return own, apart
+
+
 def _by_item(scene: Scene, rows: list[str]) -> tuple[Array, Array, Array]:
     """Friction, restitution and ignoring (rows, rows) by what each item has of its own."""
     items: dict[str, Any] = {**scene.statics, **scene.objects, **scene.articulated}

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import atexit
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics import _native
 from halfphysics.body.mjcf_person import addresses
 from halfphysics.body.rigid_parts import part_collider
 from halfphysics.motion.skeleton import PARENTS
@@ -68,8 +69,20 @@ def _add_skin(
     return joints
 
 
+class PersonSkin(_native.SkinShapes):
+    """The skin of a person and its hulls as the core has them, with the arrays they are made of.
+
+    Attributes:
+        arrays: Arguments of `_native.SkinShapes`, by name.
+    """
+
+    def __init__(self, **arrays: Any) -> None:
+        super().__init__(**arrays)
+        self.arrays: Mapping[str, Any] = arrays
+
+
 #: Of a body, by where a model has it: as the first person, the second, and so on.
-_known: WeakKeyDictionary[Body, dict[bytes, Any]] = WeakKeyDictionary()
+_known: WeakKeyDictionary[Body, dict[bytes, PersonSkin]] = WeakKeyDictionary()
 atexit.register(
     _known.clear
 )  # the default body lives as long as the interpreter, the core does not
@@ -77,10 +90,8 @@ atexit.register(
 _PLACES = 4
 
 
-def _skin_shapes(body: Body, model: Any, ids: NDArray[np.int64]) -> Any:
+def _skin_shapes(body: Body, model: Any, ids: NDArray[np.int64]) -> PersonSkin:
     """The skin and its hulls as the core has them, derived once per body and place in a model."""
-    from halfphysics import _native
-
     numbers = np.stack([ids, model.body_dofadr[ids]]).astype(np.int32)
     known = _known.setdefault(body, {})
     shapes = known.get(numbers.tobytes())
@@ -89,7 +100,7 @@ def _skin_shapes(body: Body, model: Any, ids: NDArray[np.int64]) -> Any:
             known.pop(next(iter(known)), None)
         hulls = body.skin_corners
         first, joint, weight = body.skin.sparse_weights
-        shapes = known[numbers.tobytes()] = _native.SkinShapes(
+        shapes = known[numbers.tobytes()] = PersonSkin(
             body=numbers[0],
             dof=numbers[1],
             parent=np.ascontiguousarray(PARENTS, dtype=np.int32),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+import os
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base.arrays import scalar_of
+from halfphysics.base.atomic import atomic_path
 from halfphysics.base.in_notebook import InNotebook
 from halfphysics.base.short_repr import counted
 from halfphysics.base.stopwatch import Stopwatch
@@ -28,6 +30,7 @@ from halfphysics.simulation.argument_checks import (
     several,
 )
 from halfphysics.simulation.build_world import build_world
+from halfphysics.simulation.compile_world import compiled_again
 from halfphysics.simulation.frame import Frame, State
 
 if TYPE_CHECKING:
@@ -189,6 +192,21 @@ class Simulator(InNotebook):
         self._axes = state.axes
         self._firmness = self.world.stiffness_from_core(self.world.stepper.stiffness())
         self._started = True
+
+    def save_world(self, path: str | os.PathLike[str]) -> None:
+        """Write the world to a file for programs without Python (docs/c-api.md): `*.hpw`.
+
+        People, scene and settings as they are now, with what is held; not where things are: the
+        file's reader resets it. It contains the skin of each person's body: share that of a
+        licensed body model only as its licence allows.
+
+        Raises:
+            InputError: A baseline that runs in Python. FileError: It cannot be written.
+        """
+        self._must_be_native()
+        data = compiled_again(self.world, self._axes)
+        with atomic_path(path) as temporary:
+            temporary.write_bytes(data)
 
     def velocity(self, name: str) -> tuple[Array, Array]:
         """An object's velocity (3,) [m/s] of its origin and angular (3,) [rad/s], in the world."""

@@ -102,7 +102,7 @@ def save_page(
     step = max(1, math.ceil(fps / max_fps - 1e-9))
     frames = range(0, max(map(len, drawings)), step)
     clock = Stopwatch(logger)
-    with atomic_write(path) as file, _quiet_server() as server:
+    with atomic_write(path) as file, quiet_server() as server:
         row = arrange(drawings, _VIEW)
         stages, contacts = _build(server, drawings, row)
         lights = light(server, row.direction.tolist(), row.reach)
@@ -122,14 +122,26 @@ def save_page(
             "body": body_data(results[0].people[0].body),
             "reel": reel(Recording(recorded), len(frames), step / fps),
         }
-        page = first.replace("<title>Viser</title>", f"<title>{html.escape(title)}</title>", 1)
-        page = page.replace("</head>", f"<style>{style()}</style>{_DARK}</head>", 1)
-        waiting = page_head(data).replace("<script>", WAITING, 1)
-        page = page.replace("<body>", f"<body>{waiting}", 1)
-        page = with_first_picture(page, drawings, row)
-        file.write(page.encode("utf-8"))
+        file.write(assembled(first, page_head(data), title, drawings, row).encode("utf-8"))
     clock.done("wrote the page %s, %d frames", path, len(frames), count=len(frames))
     return Path(path)
+
+
+def assembled(
+    scene: str, head: str, title: str, drawings: Sequence[Drawing], row: Arrangement
+) -> str:
+    """A page of viser's with our script, title, sky and first picture.
+
+    Args:
+        scene: viser's page of the scene.
+        head: Of `page_head` or `play_head`.
+        title: Title of the page.
+        drawings, row: What the page shows at first.
+    """
+    page = scene.replace("<title>Viser</title>", f"<title>{html.escape(title)}</title>", 1)
+    page = page.replace("</head>", f"<style>{style()}</style>{_DARK}</head>", 1)
+    waiting = head.replace("<script>", WAITING, 1)
+    return with_first_picture(page.replace("<body>", f"<body>{waiting}", 1), drawings, row)
 
 
 def _recorded(
@@ -161,7 +173,7 @@ def _recorded(
 
 
 @contextlib.contextmanager
-def _quiet_server() -> Iterator[Any]:
+def quiet_server() -> Iterator[Any]:
     """A viser server whose scene becomes the page; no browser connects to it."""
     server = open_server("127.0.0.1", 0)
     try:

@@ -145,7 +145,9 @@ class Playground(Served):
     def _set_stage(self) -> None:
         """Build the stage of the present choice."""
         session = self.session
-        drawing = Drawing(provisional(session))
+        drawing = Drawing(
+            provisional(session.simulator, session.sequence.motions, session.frame.objects)
+        )
         old = getattr(self, "stage", None)
         place = (session.choice.scenario, session.choice.motion)
         moved = place != self._place

@@ -7,37 +7,37 @@
 #include <stdexcept>
 #include <vector>
 
-#include "geometry/convex.h"
+#include "assembly/array_view.h"
 #include "bindings/module.h"
+
+namespace nanobind::detail {
+
+// Views of the core (assembly/array_view.h) of arrays of Python: hold for the length of the call.
+template <typename T, int... Shape>
+struct type_caster<hp::ArrayView<T, Shape...>> {
+  using View = hp::ArrayView<T, Shape...>;
+  using Array = ndarray<const T, c_contig, device::cpu, shape<Shape...>>;
+  NB_TYPE_CASTER(View, make_caster<Array>::Name)
+
+  bool from_python(handle src, uint32_t flags, cleanup_list* cleanup) noexcept {
+    if (!array_.from_python(src, flags & ~uint32_t(cast_flags::accepts_none), cleanup))
+      return false;
+    size_t lengths[sizeof...(Shape)];
+    for (size_t i = 0; i < sizeof...(Shape); i++) lengths[i] = array_.value.shape(i);
+    value = View(array_.value.data(), lengths);
+    return true;
+  }
+
+ private:
+  make_caster<Array> array_;
+};
+
+}  // namespace nanobind::detail
 
 namespace hp {
 
-using Doubles = f64<nb::ndim<1>>;
-using Ints = i32<nb::ndim<1>>;
-using Rows2 = f64<nb::shape<-1, 2>>;
-using Rows3 = f64<nb::shape<-1, 3>>;
-using Rows4 = f64<nb::shape<-1, 4>>;
-using Faces = i32<nb::shape<-1, 3>>;
-using Square = f64<nb::shape<-1, -1>>;
 using Out = nb::ndarray<double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Indices = nb::ndarray<int32_t, nb::shape<-1, -1>, nb::c_contig, nb::device::cpu>;
-
-inline std::vector<Vec3> vectors(const Rows3& a) {
-  std::vector<Vec3> out(a.shape(0));
-  for (size_t i = 0; i < out.size(); i++) out[i] = load3(a.data() + 3 * i);
-  return out;
-}
-
-inline std::vector<Quat> quats(const Rows4& a) {
-  std::vector<Quat> out(a.shape(0));
-  for (size_t i = 0; i < out.size(); i++) out[i] = load4(a.data() + 4 * i);
-  return out;
-}
-
-template <typename T, typename A>
-std::vector<T> list(const A& a) {
-  return {a.data(), a.data() + a.shape(0)};
-}
 
 inline auto array(std::vector<size_t> shape, const std::vector<double>& values) {
   double* data = new double[values.size() + 1];
@@ -49,25 +49,5 @@ inline auto array(std::vector<size_t> shape, const std::vector<double>& values) 
 inline auto array(const std::vector<double>& v) { return array({v.size()}, v); }
 
 inline void push(std::vector<double>& out, Vec3 v) { out.insert(out.end(), {v.x, v.y, v.z}); }
-
-inline void need(bool ok, const char* what) {
-  if (!ok) throw std::invalid_argument(what);
-}
-
-// `rim` is the axis of the disc times its radius; zero: none.
-inline Convex convex(const Rows3& vertices, double radius, const Doubles& rim,
-                     std::vector<Vec3> normals = {}) {
-  need(vertices.shape(0) > 0, "a shape needs at least one vertex");
-  need(rim.shape(0) == 3, "rim: expected (3,)");
-  Convex c;
-  c.vertices = vectors(vertices);
-  c.normals = std::move(normals);
-  c.radius = radius;
-  Vec3 r = load3(rim.data());
-  c.rim = norm(r);
-  if (c.rim > 0) c.axis = (1 / c.rim) * r;
-  c.finish();
-  return c;
-}
 
 }  // namespace hp

@@ -12,4 +12,5 @@ NB_MODULE(_native, m) {
   bind_part_balls(m);
   bind_wrench_spread(m);
   bind_coordinates(m);
+  bind_world_file(m);
 }

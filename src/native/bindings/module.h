@@ -20,3 +20,4 @@ void bind_gaps(nb::module_& m);
 void bind_part_balls(nb::module_& m);
 void bind_wrench_spread(nb::module_& m);
 void bind_coordinates(nb::module_& m);
+void bind_world_file(nb::module_& m);

@@ -2,6 +2,7 @@
 #include "bindings/stepper.h"
 
 using namespace hp;
+using hp::assembly::MeshTree;
 
 void bind_physics(nb::module_& m) {
   nb::class_<MeshTree>(m, "MeshTree")

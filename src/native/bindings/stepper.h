@@ -1,21 +1,11 @@
 // The parts that the Python face of the stepper is bound in, each one group of its methods.
 #pragma once
+#include "assembly/shape_calls.h"
+#include "assembly/system_calls.h"
 #include "bindings/arrays.h"
 #include "stepping/stepper.h"
 
-// A person's skin and the hulls that collide, derived once: steppers in which the person's bodies
-// have the same numbers share them.
-struct SkinShapes {
-  std::shared_ptr<const hp::Skin> skin;
-  std::vector<hp::CollisionShape> shapes;
-};
-
 using StepperClass = nb::class_<hp::Stepper>;
-
-// A static mesh in the world frame: its tree, shared by all that ask for the same triangles.
-struct MeshTree {
-  std::shared_ptr<const hp::TriangleTree> tree;
-};
 
 // Each in the file of its name:
 void bind_stepper_system(StepperClass& stepper);  // model, settings, strength
@@ -35,9 +25,5 @@ void touch_rows(const std::vector<Touch>& touches, std::vector<double>& out);
 void inside_rows(const World& world, std::vector<double>& out);
 // The same of overlaps that should not be.
 void breach_rows(const std::vector<Breach>& breaches, std::vector<double>& out);
-// Numbers of targets of all people together.
-int target_count(const Stepper& s);
-// lambda of every ball of all people, in the model's order.
-void set_stiffness(Stepper& s, const double* lambda);
 
 }  // namespace hp

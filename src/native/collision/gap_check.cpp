@@ -17,8 +17,9 @@ namespace {
 Vec3 rim_corner(const PosedShape& s, int k) {
   Vec3 t, b;
   tangents(s.hull->axis, t, b);
-  double angle = 2 * M_PI * k / tune::kRimSides, r = s.hull->rim / std::cos(M_PI / tune::kRimSides);
-  return s.R * (r * (std::cos(angle) * t + std::sin(angle) * b));
+  double angle = 2 * M_PI * k / tune::kRimSides,
+         r = s.hull->rim / elementary::cos(M_PI / tune::kRimSides);
+  return s.R * (r * (elementary::cos(angle) * t + elementary::sin(angle) * b));
 }
 
 // Coordinates of points, as GJK reads them: the vertices of a shape at two poses.

@@ -33,7 +33,7 @@ Vec3 best_direction(Apart apart, const std::vector<Vec3>& guesses) {
   const double golden = M_PI * (3 - std::sqrt(5.0));
   for (int k = 0; k < tune::kLatticeDirections; k++) {
     const double z = 1 - (2 * k + 1.0) / tune::kLatticeDirections, r = std::sqrt(1 - z * z);
-    attempt({r * std::cos(golden * k), r * std::sin(golden * k), z});
+    attempt({r * elementary::cos(golden * k), r * elementary::sin(golden * k), z});
   }
   double turn = tune::kFirstTurn;
   for (int k = 0; k < tune::kRefinements && turn > tune::kLastTurn; k++) {

@@ -55,7 +55,7 @@ bool any_point(const PosedShape& a0, const PosedShape& a1, Vec3 n, F f) {
     if (f(s1.points.at(v) + s1.on_rim(-n), s0.points.at(v) + s0.on_rim(-n))) return true;
     for (int k = 0; k < tune::kRimLooks; k++) {
       const double angle = 2 * M_PI * k / tune::kRimLooks;
-      const Vec3 d = std::cos(angle) * t + std::sin(angle) * b;
+      const Vec3 d = elementary::cos(angle) * t + elementary::sin(angle) * b;
       if (f(s1.points.at(v) + s1.on_rim(d), s0.points.at(v) + s0.on_rim(d))) return true;
     }
   }
@@ -74,7 +74,7 @@ struct Extremes {
     tangents(n, t, s);
     for (int k = 0; k < kMost; k++) {
       const double angle = 2 * M_PI * (k + 0.125) / kMost;
-      directions[k] = std::cos(angle) * t + std::sin(angle) * s;
+      directions[k] = elementary::cos(angle) * t + elementary::sin(angle) * s;
       reach[k] = -1e300;
     }
   }

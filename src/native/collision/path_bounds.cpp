@@ -9,7 +9,7 @@ namespace {
 // The angle of the rotation from p to q.
 double angle_between(Quat p, Quat q) {
   const double cosine = std::fabs(p.w * q.w + p.x * q.x + p.y * q.y + p.z * q.z);
-  return 2 * std::asin(std::sqrt(std::max(0.0, 1 - std::min(1.0, cosine * cosine))));
+  return 2 * elementary::asin(std::sqrt(std::max(0.0, 1 - std::min(1.0, cosine * cosine))));
 }
 
 }  // namespace

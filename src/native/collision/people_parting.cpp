@@ -72,7 +72,7 @@ void PeopleParting::find_way(Poses& start, Parting& p) const {
   for (int k = 0; k < tune::kPartingWays; k++) {
     const double angle = 2 * M_PI * k / tune::kPartingWays;
     Parting tried = first;
-    tried.way = {std::cos(angle), std::sin(angle), 0};
+    tried.way = {elementary::cos(angle), elementary::sin(angle), 0};
     double depth = 0;
     tried.left = 0;
     while (tried.left < p.left && !clear(start, tried, tried.left * tried.way, depth))

@@ -12,7 +12,10 @@ namespace hp {
 namespace tune = tuning::contact;
 
 // Multiplications of a Newton step: its matrix has three rows per contact, one for ln c, two idle.
-double CoulombPath::cost() const { return std::pow(3.0 * n_ + 3, 3) / 3 + 40.0 * n_ * n_; }
+double CoulombPath::cost() const {
+  const double m = 3.0 * n_ + 3;
+  return m * m * m / 3 + 40.0 * n_ * n_;
+}
 
 bool CoulombPath::begin(const Delassus& A, const std::vector<double>& beta,
                         const std::vector<LocalContact>& contacts) {
@@ -85,7 +88,7 @@ void CoulombPath::smooth(int i, double c, const double* x) {
 // F(x, c) - c F(x_0, 1) and its derivatives at a point; its length.
 double CoulombPath::evaluate(const Point& at) {
   const int rows = 3 * n_;
-  const double c = std::exp(at[rows]);
+  const double c = elementary::exp(at[rows]);
   value_.resize(rows), w_.resize(rows);
   matrix_.resize((size_t)(rows + 3) * (rows + 3));
   double sum = 0;
@@ -124,7 +127,7 @@ bool CoulombPath::advance(double length, WorkBudget& budget) {
   double before = 1e300;
   for (int turn = 0; turn < tune::kPathCorrections; turn++) {
     const double off = evaluate(trial_);
-    if (off < tune::kPathWidth * std::exp(trial_[rows])) return true;
+    if (off < tune::kPathWidth * elementary::exp(trial_[rows])) return true;
     if (!(off <= tune::kPathContraction * before) || !newton(budget)) return false;
     before = off;
   }

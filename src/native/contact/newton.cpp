@@ -94,7 +94,7 @@ bool ContactProblem::newton_step(double damping, double bound) {
   start_ = p;
   drop_unloaded();
   const int m = (int)set_.size(), m3 = 3 * m;
-  const double cost = std::pow((double)m3, 3) / 3;
+  const double cost = (double)m3 * m3 * m3 / 3;
   if (!budget.affords(cost)) {
     barred_ = true;
     p = start_;

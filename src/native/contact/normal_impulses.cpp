@@ -26,7 +26,7 @@ void ContactProblem::solve_active() {
     least_pivot_[a] = tune::kCholeskyPivot * diagonal;
     right_[a] = -q_[set_[a]];
   }
-  budget.spend(std::pow((double)k, 3) / 6 + 2.0 * k * n);
+  budget.spend((double)k * k * k / 6 + 2.0 * k * n);
   factor_cholesky(matrix_.data(), k, least_pivot_.data());
   solve_cholesky(matrix_.data(), k, right_.data());
   x_.assign(n, 0);
@@ -95,7 +95,8 @@ void ContactProblem::settle_normals(double tolerance, SolveReport& report) {
     solve_normals(tune::kNormalGoal * tolerance);
     if (r >= tune::kFrictionRounds)
       for (int i = 0; i < size(); i++)
-        if (std::hypot(p[3 * i + 1], p[3 * i + 2]) > local_[i].mu * p[3 * i] + tune::kConeRounding)
+        if (elementary::hypot(p[3 * i + 1], p[3 * i + 2]) >
+            local_[i].mu * p[3 * i] + tune::kConeRounding)
           p[3 * i + 1] = p[3 * i + 2] = 0;
     project();  // a normal impulse that got smaller takes its friction along
     product();
@@ -117,7 +118,7 @@ void ContactProblem::drop_driving_friction(double tolerance, SolveReport& report
     bool drops = false;
     for (int i = 0; i < size(); i++) {
       double* t = &p[3 * i + 1];
-      const double force = std::hypot(t[0], t[1]);
+      const double force = elementary::hypot(t[0], t[1]);
       const double along = t[0] * w_[3 * i + 1] + t[1] * w_[3 * i + 2];
       if (along <= tune::kDrivingSlip * force &&
           force <= local_[i].mu * p[3 * i] * (1 + tune::kConeRounding))

@@ -39,7 +39,8 @@ void JointRange::finish() {
       throw std::invalid_argument("a joint's axes must be orthonormal and right-handed");
     if (!(lower[i] <= 0 && upper[i] >= 0 && lower[i] >= -M_PI && upper[i] <= M_PI))
       throw std::invalid_argument("a joint's range must be within [-pi, pi] and hold 0");
-    quarter_low[i] = std::tan(0.25 * lower[i]), quarter_up[i] = std::tan(0.25 * upper[i]);
+    quarter_low[i] = elementary::tan(0.25 * lower[i]),
+    quarter_up[i] = elementary::tan(0.25 * upper[i]);
   }
 }
 
@@ -54,17 +55,17 @@ bool JointRange::holds(Quat q) const {
 
 Vec3 joint_angles(const JointRange& r, Quat q) {
   const SwingTwist p(r, q);
-  return {2 * std::atan2(p.t, p.w), 4 * std::atan(p.sf / (1 + p.N)),
-          4 * std::atan(p.sa / (1 + p.N))};
+  return {2 * elementary::atan2(p.t, p.w), 4 * elementary::atan(p.sf / (1 + p.N)),
+          4 * elementary::atan(p.sa / (1 + p.N))};
 }
 
 Quat from_joint_angles(const JointRange& r, Vec3 angles) {
-  const double f = std::tan(0.25 * angles.y), a = std::tan(0.25 * angles.z);
+  const double f = elementary::tan(0.25 * angles.y), a = elementary::tan(0.25 * angles.z);
   const double scale = 1 / (1 + f * f + a * a);
   const Vec3 side = (2 * scale * f) * r.axis[1] + (2 * scale * a) * r.axis[2];
   const Quat swing{2 * scale - 1, side.x, side.y, side.z};
-  const Vec3 turn = std::sin(0.5 * angles.x) * r.axis[0];
-  return swing * Quat{std::cos(0.5 * angles.x), turn.x, turn.y, turn.z};
+  const Vec3 turn = elementary::sin(0.5 * angles.x) * r.axis[0];
+  return swing * Quat{elementary::cos(0.5 * angles.x), turn.x, turn.y, turn.z};
 }
 
 Vec3 clamped_angles(const JointRange& r, Quat q, Quat asked) {

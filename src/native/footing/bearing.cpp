@@ -27,14 +27,14 @@ Tilt tilt(const std::vector<BearingPoint>& points, Vec3 c, double ax, double ay,
     const BearingPoint& p = points[i];
     if (p.carries <= 0) continue;
     const double dx = p.at.x - c.x, dy = p.at.y - c.y;
-    const double s = share[i] = p.carries * std::exp(ax * dx + ay * dy - top);
+    const double s = share[i] = p.carries * elementary::exp(ax * dx + ay * dy - top);
     sum += s, x += s * dx, y += s * dy;
     xx += s * dx * dx, xy += s * dx * dy, yy += s * dy * dy;
   }
   for (double& s : share) s /= sum;
   x /= sum, y /= sum;
   const double e = tune::kPressureSlack;
-  return {top + std::log(sum) + 0.5 * e * (ax * ax + ay * ay),
+  return {top + elementary::log(sum) + 0.5 * e * (ax * ax + ay * ay),
           x + e * ax,
           y + e * ay,
           xx / sum - x * x + e,
@@ -52,7 +52,7 @@ void spread_weight(const std::vector<BearingPoint>& points, Vec3 centre,
   Tilt t = tilt(points, centre, ax, ay, share);
   std::vector<double> tried;
   for (int i = 0; i < tune::kPressureSteps; i++) {
-    if (std::hypot(t.gx, t.gy) < tune::kPressureMiss) return;
+    if (elementary::hypot(t.gx, t.gy) < tune::kPressureMiss) return;
     const double det = t.hxx * t.hyy - t.hxy * t.hxy;
     const double dx = -(t.hyy * t.gx - t.hxy * t.gy) / det;
     const double dy = -(t.hxx * t.gy - t.hxy * t.gx) / det;
@@ -90,7 +90,7 @@ void Bearing::aim(Vec3 centre) {
 }
 
 void Bearing::advance(double h) {
-  const double share = 1 - std::exp(-h / tune::kLoadTime);
+  const double share = 1 - elementary::exp(-h / tune::kLoadTime);
   for (size_t i = 0; i < load_.size(); i++) {
     load_[i] += share * (target_[i] - load_[i]);
     if (target_[i] == 0 && load_[i] < tune::kNoLoad) load_[i] = 0;
@@ -110,7 +110,7 @@ double Bearing::total() const {
 }
 
 void Bearing::contacts_pressed(double weights, double dt) {
-  pressed_ += (1 - std::exp(-dt / tune::kPressedTime)) * (weights - pressed_);
+  pressed_ += (1 - elementary::exp(-dt / tune::kPressedTime)) * (weights - pressed_);
   if (weights == 0 && pressed_ < tune::kNoLoad) pressed_ = 0;
 }
 

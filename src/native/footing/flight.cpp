@@ -13,7 +13,7 @@ void Flight::see(double root, double lowest, double time, double gravity) {
     const double climbs = (root - root_) / time;
     flies_ = climbs - past_ < -tune::kFlies * gravity * tune::kFlightTime ||
              lowest - lowest_ > tune::kMoves * time;
-    past_ += (1 - std::exp(-time / tune::kFlightTime)) * (climbs - past_);
+    past_ += (1 - elementary::exp(-time / tune::kFlightTime)) * (climbs - past_);
   }
   seen_ = true;
   root_ = root, lowest_ = lowest;

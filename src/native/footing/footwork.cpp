@@ -102,7 +102,7 @@ void Footwork::frame(const std::vector<Foot>& feet, bool free, double dt, const 
     slid += (1.0 / feet.size()) * foot.slid;
     turned += foot.turned / feet.size();
   }
-  const double share = 1 - std::exp(-dt / tune::kSlideTime);
+  const double share = 1 - elementary::exp(-dt / tune::kSlideTime);
   speed_ += share * ((1 / dt) * slid - speed_);
   spin_ += share * (turned / dt - spin_);
   if (norm2(slid) == 0 && norm(speed_) < tune::kNoSlide) speed_ = {};

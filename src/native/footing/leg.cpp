@@ -33,8 +33,8 @@ double knee_turn(Vec3 u, Vec3 w, Vec3 n, double distance) {
   const double a = 2 * dot(u, across), b = 2 * dot(u, cross(n, across));
   const double size = std::sqrt(a * a + b * b);
   if (size == 0) return 0;
-  const double middle = std::atan2(b, a);
-  const double half = std::acos(std::clamp((distance * distance - even) / size, -1.0, 1.0));
+  const double middle = elementary::atan2(b, a);
+  const double half = elementary::acos(std::clamp((distance * distance - even) / size, -1.0, 1.0));
   return middle + half;  // the other solution bends the knee forward
 }
 

@@ -91,7 +91,7 @@ void Stance::find_rest(const FootingModel& model, const Footwork& work, double w
     if (!foot.turns) continue;
     foot.turn = exp_quat({0, 0, angle});
     const Vec3 up = kin.xmat[leg.ankle].col(1), axis = cross(up, {0, 0, 1});
-    const double sine = norm(axis), tilt = std::atan2(sine, up.z);
+    const double sine = norm(axis), tilt = elementary::atan2(sine, up.z);
     if (sine > 0) foot.turn = foot.turn * exp_quat((waits * tilt / sine) * axis);
     const Vec3 ankle = kin.xpos[leg.ankle];
     const Mat3 by = to_matrix(foot.turn);

@@ -73,8 +73,8 @@ bool SurfaceBelow::wide(Vec3 x, double height) {
   int found = 0;
   for (int i = 0; i < tune::kAround; i++) {
     const double angle = 2 * M_PI * i / tune::kAround;
-    const Vec3 beside{x.x + tune::kFootWidth * std::cos(angle),
-                      x.y + tune::kFootWidth * std::sin(angle), height};
+    const Vec3 beside{x.x + tune::kFootWidth * elementary::cos(angle),
+                      x.y + tune::kFootWidth * elementary::sin(angle), height};
     found += find_static(beside, tune::kSameLevel, tune::kSameLevel).found;
   }
   return found >= tune::kAroundFound;

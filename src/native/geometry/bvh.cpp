@@ -352,8 +352,8 @@ double TriangleTree::winding(Vec3 p) const {
   for (size_t t = 0; t < corner_.size(); t += 3) {
     const Vec3 a = corner_[t] - p, b = corner_[t + 1] - p, c = corner_[t + 2] - p;
     const double x = norm(a), y = norm(b), z = norm(c);
-    sum +=
-        std::atan2(dot(a, cross(b, c)), x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y);
+    sum += elementary::atan2(dot(a, cross(b, c)),
+                             x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y);
   }
   return sum / (2 * M_PI);
 }

@@ -39,7 +39,8 @@ std::vector<FacePoint> near_face(const PosedShape& s, Vec3 n, Vec3 t, Vec3 b, do
       add(x + swept.on_rim(-n));
     } else {
       for (int k = 0; k < 8; k++)
-        add(x + swept.on_rim(std::cos(0.25 * M_PI * k) * t + std::sin(0.25 * M_PI * k) * b));
+        add(x + swept.on_rim(elementary::cos(0.25 * M_PI * k) * t +
+                             elementary::sin(0.25 * M_PI * k) * b));
     }
   }
   std::sort(pts.begin(), pts.end(),
@@ -98,12 +99,14 @@ std::vector<FacePoint> spread_out(const std::vector<FacePoint>& face, int most) 
   std::vector<FacePoint> pick;
   pick.reserve(most);
   for (int k = 0; k < most; k++) {
-    double angle = 2 * M_PI * (k + 0.125) / most, cu = std::cos(angle), cv = std::sin(angle);
+    double angle = 2 * M_PI * (k + 0.125) / most, cu = elementary::cos(angle),
+           cv = elementary::sin(angle);
     FacePoint best = face[0];
     for (FacePoint q : face)
       if (cu * q.u + cv * q.v > cu * best.u + cv * best.v) best = q;
     bool known = false;
-    for (FacePoint q : pick) known |= std::hypot(q.u - best.u, q.v - best.v) < tune::kSameCorner;
+    for (FacePoint q : pick)
+      known |= elementary::hypot(q.u - best.u, q.v - best.v) < tune::kSameCorner;
     if (!known) pick.push_back(best);
   }
   return pick;

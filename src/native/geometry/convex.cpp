@@ -16,7 +16,7 @@ void Convex::finish() {
   bound = 0;
   for (Vec3 v : vertices) {
     double along = dot(axis, v - center), across = norm(v - center - along * axis);
-    bound = std::max(bound, std::hypot(along, across + rim));
+    bound = std::max(bound, elementary::hypot(along, across + rim));
   }
   bound += radius;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/elementary.h"
 #include "tuning.h"
 
 namespace hp {
@@ -54,16 +55,18 @@ inline Quat normalized(Quat q) {
 inline Quat exp_quat(Vec3 r) {
   double half = 0.5 * norm(r);
   // sin(x)/x by its series near zero, where the quotient loses digits.
-  double s = half < tuning::dynamics::kSeriesHalfAngle ? 0.5 * (1 - half * half / 6)
-                                                       : 0.5 * std::sin(half) / half;
-  return {std::cos(half), s * r.x, s * r.y, s * r.z};
+  double sine, cosine;
+  elementary::sin_cos(half, sine, cosine);
+  double s =
+      half < tuning::dynamics::kSeriesHalfAngle ? 0.5 * (1 - half * half / 6) : 0.5 * sine / half;
+  return {cosine, s * r.x, s * r.y, s * r.z};
 }
 
 // Axis-angle vector of a unit quaternion, the shortest arc.
 inline Vec3 log_quat(Quat q) {
   Vec3 v{q.x, q.y, q.z};
   double n = norm(v),
-         f = n < tuning::dynamics::kNoRotation ? 2.0 : 2 * std::atan2(n, std::fabs(q.w)) / n;
+         f = n < tuning::dynamics::kNoRotation ? 2.0 : 2 * elementary::atan2(n, std::fabs(q.w)) / n;
   return (q.w < 0 ? -f : f) * v;
 }
 

@@ -132,8 +132,8 @@ std::vector<double> yield(const System& system, const Inertia& inertia, const Dr
       const double over = share - 1;
       if (late && over <= tune::kYieldTolerance) continue;
       good &= std::fabs(over) <= tune::kYieldTolerance;
-      rate[k] =
-          std::max(tune::kLeastYieldRate, rate[k] * std::pow(share, tune::kYieldOverRelaxation));
+      rate[k] = std::max(tune::kLeastYieldRate,
+                         rate[k] * elementary::pow(share, tune::kYieldOverRelaxation));
     }
     if (good) break;
   }

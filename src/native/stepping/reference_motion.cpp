@@ -36,9 +36,10 @@ Vec3 ReferenceMotion::way_back(const DriveSettings& s, const std::vector<double>
   const Vec3 off = load3(reached.data()) - load3(qpos + dofs_.first_qpos());
   Vec3 back;
   if (s.recover_root)
-    back = eager * capped(((1 - std::exp(-dt / tune::kRootRecoveryTime)) / dt) * off, s.root_speed);
+    back = eager *
+           capped(((1 - elementary::exp(-dt / tune::kRootRecoveryTime)) / dt) * off, s.root_speed);
   if (weight) {
-    const double fall = (1 - std::exp(-dt / tune::kFallTime)) / dt * off.z;
+    const double fall = (1 - elementary::exp(-dt / tune::kFallTime)) / dt * off.z;
     back.z = std::clamp(fall, -tune::kFallSpeed, s.root_speed);
   }
   return back;

@@ -121,7 +121,7 @@ bool PrescribedPoses::soften(System& system, Data& data, int body, int tries) {
   const double speed = fastest(system, kin, body, twists_);
   const double most =
       std::max(tuning::collision::kThrownFactor * pushed,
-               tune::kThrownAcross * std::hypot(fastest(system, kin, body, free_), pushed));
+               tune::kThrownAcross * elementary::hypot(fastest(system, kin, body, free_), pushed));
   const int root = system.model.root[body];
   const bool room = data.attempt.settled(data.islands.of_tree(root)) && !data.attempt.relaxed[root];
   if (speed <= most && (room || pace == 0)) return false;

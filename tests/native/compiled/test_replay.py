@@ -1,0 +1,139 @@
+"""World files of strangers: what is damaged or made up is refused, and what is not can be stepped.
+
+Each case is a file with a checksum that fits. `tools/sanitize.sh tests/native/compiled` watches memory;
+`HALFPHYSICS_FUZZ=SECONDS` goes on with new cases.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import halfphysics as hp
+from halfphysics import _native
+from support.fuzzing import drawn
+
+HEADER = 32
+
+
+@pytest.fixture(scope="module")
+def files():
+    """A world file of a person, objects, a mesh and a trajectory, and one of objects alone."""
+    scene = hp.Scene()
+    scene.add_static("floor", hp.Plane())
+    scene.add_static("roof", hp.Mesh([(0, 0, 3), (1, 0, 3), (0, 1, 3)], [(0, 1, 2)]))
+    scene.add_object("ball", hp.Sphere(0.1), mass=1.0, position=(1, 0, 0.101))
+    scene.add_object("can", hp.Cylinder(0.05, 0.2), mass=0.3, position=(2, 0, 0.11), start="asleep")
+    small = hp.compile_world(scene, body=[])
+    scene.add_moving("cart", hp.Box((0.5, 0.5, 0.5)), [(5, 0, 0.5), (5, 1, 0.5)], fps=1.0)
+    settings = hp.Settings(self_contact=True)
+    return hp.compile_world(scene, settings=settings), small
+
+
+def sealed(body, count):
+    """A file of a body, with a header that fits it."""
+    head = struct.pack("<IIQII", 1, zlib.crc32(body), len(body), count, 0)
+    return b"\x89HPW\r\n\x1a\n" + head + body
+
+
+def tried(data):
+    """Reads and steps a file; whether it was taken. Only `ValueError` may say no."""
+    try:
+        qpos = _native.run_world(data, 2)
+    except ValueError as error:
+        assert str(error)
+        return False
+    assert qpos.ndim == 1
+    return True
+
+
+def test_whole_files_run(files):
+    for data in files:
+        assert np.isfinite(_native.run_world(data, 2)).all()
+
+
+@given(st.data())
+@drawn(40)
+def test_flipped_bits(files, data):
+    original = data.draw(st.sampled_from(files))
+    body, count = bytearray(original[HEADER:]), struct.unpack("<I", original[24:28])[0]
+    for _ in range(data.draw(st.integers(1, 4))):
+        at = data.draw(st.integers(0, len(body) - 1))
+        body[at] ^= 1 << data.draw(st.integers(0, 7))
+    tried(sealed(bytes(body), count))
+
+
+@given(st.data())
+@drawn(40)
+def test_words_that_mean_something_else(files, data):
+    """Sizes, indices and numbers replaced by others, in headers and small arrays above all."""
+    original = files[1]
+    body, count = bytearray(original[HEADER:]), struct.unpack("<I", original[24:28])[0]
+    words = [0, 1, 2, 55, -1, 2**31 - 1, -(2**31)]
+    at = 4 * data.draw(st.integers(0, len(body) // 4 - 2))
+    if data.draw(st.booleans()):
+        body[at : at + 4] = struct.pack("<i", data.draw(st.sampled_from(words)))
+    else:
+        at -= at % 8
+        body[at : at + 8] = struct.pack("<d", data.draw(st.floats()))
+    tried(sealed(bytes(body), count))
+
+
+@given(st.data())
+@drawn(20)
+def test_cut_and_joined(files, data):
+    original = data.draw(st.sampled_from(files))
+    body, count = original[HEADER:], struct.unpack("<I", original[24:28])[0]
+    a, b = sorted(8 * data.draw(st.integers(0, len(body) // 8)) for _ in range(2))
+    assert not tried(sealed(body[:a] + body[b:], count)) or a == b
+    assert not tried(original[: HEADER + a]) or a == len(body)
+
+
+def calls_of(data):
+    """The calls of a file: (name, bytes)."""
+    body, at, calls = data[HEADER:], 0, []
+    for _ in range(struct.unpack("<I", data[24:28])[0]):
+        begin, (count,) = at, struct.unpack_from("<I", body, at)
+        name = body[at + 8 : at + 32].rstrip(b"\0").decode()
+        at += 32
+        for _ in range(count):
+            kind, _dims, *shape = struct.unpack_from("<II3Q", body, at + 24)
+            size = {1: 4, 2: 8, 3: 1}[kind] * shape[0] * shape[1] * shape[2]
+            at += 56 + size + -size % 8
+        calls.append((name, body[begin:at]))
+    assert at == len(body)
+    return calls
+
+
+def test_calls_in_another_order_missing_or_twice(files):
+    """None of it can be stepped into a crash: what is taken runs, and what must be there is missed."""
+    calls = calls_of(files[1])
+    needed = {"set_model", "set_pairings", "finish", "label_everything", "label_start", "label_friction"}
+    for i, (name, _) in enumerate(calls):
+        without = [data for j, (_, data) in enumerate(calls) if j != i]
+        assert not (tried(sealed(b"".join(without), len(without))) and name in needed), name
+        twice = [data for _, data in calls] + [calls[i][1]]
+        taken = tried(sealed(b"".join(twice), len(twice)))
+        assert not (taken and name in {"set_model", "finish", "add_shape"}), name
+    backwards = [data for _, data in reversed(calls)]
+    assert not tried(sealed(b"".join(backwards), len(backwards)))
+
+
+@pytest.mark.parametrize(
+    ("data", "says"),
+    [
+        (b"", "this is no world file: expected one that halfphysics.compile_world"),
+        (sealed(b"", 0), "it ends before the world is whole"),
+        (sealed(struct.pack("<II24s", 0, 0, b"set_moon"), 1), "there is no call set_moon"),
+        (sealed(struct.pack("<II24s", 0, 0, b"set_model"), 1), "set_model lacks"),
+        (sealed(struct.pack("<II24s", 0, 0, b"finish"), 1), "finish is out of order"),
+    ],
+)
+def test_what_is_wrong_is_said(data, says):
+    with pytest.raises(ValueError, match=says):
+        _native.run_world(data, 1)

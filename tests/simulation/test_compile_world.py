@@ -1,0 +1,74 @@
+"""Compiled worlds: complete, the same bytes each time, written whole or not at all."""
+
+from __future__ import annotations
+
+import ast
+
+import numpy as np
+import pytest
+
+import halfphysics as hp
+from halfphysics import _native
+from halfphysics.errors import FileError, InputError
+from halfphysics.simulation.call_recorder import CALLS, CallRecorder
+from support.paths import ROOT
+
+REST = hp.Pose((0, 0, 1.0), np.zeros((55, 3)))
+
+
+def scene():
+    made = hp.Scene()
+    made.add_static("floor", hp.Plane())
+    made.add_object("ball", hp.Sphere(0.1), mass=1.0, position=(1, 0, 0.101))
+    return made
+
+
+def test_the_same_input_gives_the_same_bytes(tmp_path):
+    sim = hp.Simulator(scene())
+    sim.save_world(tmp_path / "world.hpw")
+    data = hp.compile_world(scene())
+    assert data == hp.compile_world(scene(), body=hp.Body.default(), settings=hp.Settings())
+    assert (tmp_path / "world.hpw").read_bytes() == data
+
+
+def test_a_simulator_goes_on_as_if_it_had_not_been_saved(tmp_path):
+    saved, other = hp.Simulator(scene()), hp.Simulator(scene())
+    for sim in (saved, other):
+        sim.reset(REST)
+        sim.step(REST)
+    saved.save_world(tmp_path / "world.hpw")
+    assert np.array_equal(saved.step(REST).objects["ball"][0], other.step(REST).objects["ball"][0])
+    assert saved.get_state().numbers == other.get_state().numbers
+
+
+def test_objects_added_later_are_in_it(tmp_path):
+    sim = hp.Simulator(scene())
+    sim.add_object("box", hp.Box((0.1, 0.1, 0.1)), mass=1.0, position=(2, 0, 0.2))
+    sim.save_world(tmp_path / "world.hpw")
+    assert b"box\0" in (tmp_path / "world.hpw").read_bytes()
+
+
+def test_every_call_that_builds_a_core_is_known():
+    """A call that simulation/ makes of a core and that no file could have would fail here."""
+    used = set()
+    for name in ("build_world", "collision_shapes", "core_settings", "pairing", "person_shapes", "self_contact"):
+        path = ROOT / "src" / "halfphysics" / "simulation" / f"{name}.py"
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Attribute) and getattr(node.value, "id", "") == "core":
+                used.add(node.attr)
+    assert used == {*CALLS, "add_skin_shapes", "add_mesh", "pair_gaps"}
+
+
+def test_a_call_that_files_do_not_have_is_noticed():
+    with pytest.raises(AttributeError, match="has no place in world files"):
+        CallRecorder(_native.Stepper(), hp.Scene()).set_moon(1)
+
+
+def test_mistakes(tmp_path):
+    with pytest.raises(InputError, match="runs in Python only"):
+        hp.compile_world(scene(), settings=hp.baselines.EngineKinematic())
+    with pytest.raises(InputError, match="expected a halfphysics.Scene"):
+        hp.compile_world("room")
+    with pytest.raises(FileError, match="does not exist"):
+        hp.Simulator(scene()).save_world(tmp_path / "none" / "world.hpw")
+    assert list(tmp_path.iterdir()) == []

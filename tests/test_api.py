@@ -13,9 +13,9 @@ import halfphysics as hp
 HEAVY = ("mujoco", "trimesh", "viser", "scipy", "tyro", "yaml", "PIL")
 
 NAMES = """
-compile_world JOINT_NAMES Body Box Capsule Cylinder HalfPhysicsError HalfPhysicsWarning Mesh Motion Plane Pose
+JOINT_NAMES Body Box Capsule Cylinder HalfPhysicsError HalfPhysicsWarning Mesh Motion Plane Pose
 Result Scene Sequence Settings Simulator Sphere __version__ attach baselines clips errors export
-adapt fix judge load_sequence metrics progress scenarios simulate simulate_many support
+adapt compile_world fix judge load_sequence metrics progress scenarios simulate simulate_many support
 view
 """
 

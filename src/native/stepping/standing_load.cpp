@@ -87,6 +87,17 @@ void StandingLoad::add(System& system, Data& data, double h) {
   data.step.load = impulse_;
 }
 
+void StandingLoad::pressing(System& system, double h, std::vector<Pressing>& out) {
+  for (Drive& d : system.drives) {
+    if (!d.footing.on() || !d.footing.bearing.any()) continue;
+    d.footing.bearing.advance(h);
+    const double force = weight(system, d);
+    for_loads(system, d, [&](int body, Vec3 at, double share) {
+      out.push_back({body, at, {0, 0, -share * force}});
+    });
+  }
+}
+
 void StandingLoad::end_frame(System& system, const FrameResult& result, double dt) {
   for (Drive& d : system.drives) {
     if (!d.footing.on()) continue;

@@ -25,7 +25,9 @@ if TYPE_CHECKING:
     from halfphysics.motion.motion import Motion
     from halfphysics.motion.pose import Pose
     from halfphysics.motion.skeleton import JOINT_NAMES
-    from halfphysics.mujoco.hosted import attach
+    from halfphysics.mujoco.attach import attach
+    from halfphysics.mujoco.control import bind
+    from halfphysics.mujoco.worlds import step_worlds
     from halfphysics.repair.repair import fix
     from halfphysics.results.result import Result
     from halfphysics.scene.scene import Scene
@@ -61,6 +63,7 @@ __all__ = [
     "adapt",
     "attach",
     "baselines",
+    "bind",
     "clips",
     "errors",
     "export",
@@ -72,6 +75,7 @@ __all__ = [
     "scenarios",
     "simulate",
     "simulate_many",
+    "step_worlds",
     "support",
     "view",
 ]
@@ -101,7 +105,8 @@ _FROM: dict[str, str | None] = {
     "Settings": "settings",
     "Simulator": "simulation.simulator",
     "Sphere": "geometry.shapes",
-    "attach": "mujoco.hosted",
+    "attach": "mujoco.attach",
+    "bind": "mujoco.control",
     "clips": "formats.library",
     "export": "writers",
     "fix": "repair.repair",
@@ -110,6 +115,7 @@ _FROM: dict[str, str | None] = {
     "progress": "base.progress",
     "simulate": "simulation.simulate",
     "simulate_many": "simulation.simulate_many",
+    "step_worlds": "mujoco.worlds",
     "view": "viewer.view",
 }
 

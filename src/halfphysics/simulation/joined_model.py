@@ -138,6 +138,19 @@ def join_model(
     return joined(trees + [_articulated_tree(item) for item in scene.articulated.values()])
 
 
+def join_beside(model: Any, people: Mapping[str, Body], armature: Array) -> JoinedModel:
+    """All trees of a compiled `mujoco.MjModel`, then those of people.
+
+    Args:
+        model: Its bodies, joints and coordinates keep their numbers.
+        people: Prefix of the names of a person's bodies -> the person's body. Where the model has
+            such names too, `JoinedModel.body` knows those of the person.
+        armature: Of the people's joints (55,) [kg m^2].
+    """
+    trees = [_person_tree(body.variant, prefix, armature) for prefix, body in people.items()]
+    return joined([_tree_of(model), *trees])
+
+
 def joined(trees: Iterable[Tree]) -> JoinedModel:
     """Trees under one world body, in their order."""
     parts = [_WORLD]

@@ -205,5 +205,20 @@ void bind_hosted_world(nb::module_& m) {
         need(w.begun, "end: no frame has begun");
         w.end();
       })
+      // What set_state needs: forces of ours among the host's, and people shown again.
+      .def("forces",
+           [](const HostedWorld& w) {
+             const std::vector<double> out = w.stepper.hosted_forces();
+             return array({out.size() / 13, 13}, out);
+           })
+      .def("set_forces",
+           [](HostedWorld& w, Square rows) {
+             need(rows.shape(0) == 0 || rows.shape(1) == 13, "set_forces: expected (n, 13)");
+             const size_t count = rows.shape(0) * 13;
+             for (size_t i = 0; i < count; i += 13)
+               need(rows.data()[i] > 0 && rows.data()[i] < w.host.nbody, "set_forces: no such body");
+             w.stepper.set_hosted_forces({rows.data(), rows.data() + count});
+           })
+      .def("show", [](HostedWorld& w) { w.stepper.show_hosted(w.host); })
       .def("points", [](const HostedWorld& w) { return points(w.stepper); });
 }

@@ -33,4 +33,24 @@ void AppliedForces::remove(const Host& host) {
   rows_.clear();
 }
 
+std::vector<double> AppliedForces::save() const {
+  std::vector<double> out;
+  for (const Row& r : rows_) {
+    out.push_back(r.body);
+    out.insert(out.end(), r.before, r.before + 6);
+    out.insert(out.end(), r.after, r.after + 6);
+  }
+  return out;
+}
+
+void AppliedForces::load(const std::vector<double>& rows) {
+  rows_.clear();
+  for (size_t i = 0; i + 13 <= rows.size(); i += 13) {
+    Row r{(int)rows[i], {}, {}};
+    std::copy_n(&rows[i + 1], 6, r.before);
+    std::copy_n(&rows[i + 7], 6, r.after);
+    rows_.push_back(r);
+  }
+}
+
 }  // namespace hp

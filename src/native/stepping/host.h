@@ -37,6 +37,9 @@ class AppliedForces {
  public:
   void add(const Host& host, int body, Vec3 at, Vec3 force);
   void remove(const Host& host);
+  // Rows of 13: the body, its row without ours and with them.
+  std::vector<double> save() const;
+  void load(const std::vector<double>& rows);
 
  private:
   struct Row {

@@ -9,9 +9,12 @@
 namespace hp {
 
 void Hosting::start(System& system, Data& data, Host& host) {
-  host_ = &host;
   forces_.remove(host);
   data.result.points.clear();
+  show(system, data, host);
+}
+
+void Hosting::show(System& system, Data& data, Host& host) {
   data.state.update_pose(system);
   host.show(data.state.pose.kin);
 }

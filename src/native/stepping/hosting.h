@@ -28,8 +28,11 @@ class Hosting {
   void before(System& system, Data& data, int k);
   void after(System& system, Data& data, Substep& substep, int k);
   void end(System& system, Data& data);
-  // The host's pose and velocities are taken over, and people shown: after a reset.
+  // After a reset: no force is ours, and people are shown.
   void start(System& system, Data& data, Host& host);
+  static void show(System& system, Data& data, Host& host);
+  const AppliedForces& forces() const { return forces_; }
+  AppliedForces& forces() { return forces_; }
 
  private:
   // How the host's pose differs from the one that the last substep ended in.

@@ -43,6 +43,9 @@ class Stepper {
   void frame(const double* targets, double dt, int n, std::vector<double>* poses = nullptr);
   // Another engine's frame of n timesteps of length h [s] (hosting.h).
   void start_hosted(Host& host) { hosting_.start(system, data_, host); }
+  void show_hosted(Host& host) { Hosting::show(system, data_, host); }
+  std::vector<double> hosted_forces() const { return hosting_.forces().save(); }
+  void set_hosted_forces(const std::vector<double>& rows) { hosting_.forces().load(rows); }
   void begin_hosted(Host& host, const double* targets, int n, double h, bool watched) {
     hosting_.begin(system, data_, aiming_, host, targets, n, h, watched);
   }

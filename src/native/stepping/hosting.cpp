@@ -86,7 +86,8 @@ void Hosting::before(System& system, Data& data, int k) {
   data.result.points.clear();
   pressing_.clear();
   StandingLoad::pressing(system, h_, pressing_);
-  for (const StandingLoad::Pressing& p : pressing_) forces_.add(*host_, p.body, p.at, p.force);
+  for (const StandingLoad::Pressing& p : pressing_)
+    forces_.add(*host_, system.world.shapes[p.shape].body, p.at, p.force);
 }
 
 void Hosting::after(System& system, Data& data, Substep& substep, int k) {
@@ -173,6 +174,14 @@ void Hosting::give_back(const System& system, const Data& data) {
   }
 }
 
+// A shape of a body.
+int Hosting::shape_of(const System& system, int body) {
+  const std::vector<CollisionShape>& shapes = system.world.shapes;
+  for (size_t i = 0; i < shapes.size(); i++)
+    if (shapes[i].body == body) return (int)i;
+  return 0;
+}
+
 void Hosting::end(System& system, Data& data) {
   State& state = data.state;
   end_gentle_frame(system, state);
@@ -186,7 +195,9 @@ void Hosting::end(System& system, Data& data) {
   StandingLoad::end_frame(system, data.result, n_ * h_);
   state.update_pose(system);
   host_->show(state.pose.kin);
-  for (const StandingLoad::Pressing& p : pressing_) forces_.add(*host_, p.body, p.at, p.force);
+  for (const StandingLoad::Pressing& p : pressing_)
+    data.result.points.push_back({shape_of(system, p.person), -1, p.shape, p.at, {0, 0, 1},
+                                  -h_ * p.force, 0});
   auto push = [&](int shape, Vec3 at, Vec3 force) {
     const int body = shape < 0 ? 0 : system.world.shapes[shape].body;
     if (host_->owns(body)) forces_.add(*host_, body, at, force);

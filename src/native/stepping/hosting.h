@@ -9,8 +9,8 @@
 //            bodies that were touched get theirs. While nobody meets anything it is enough that the
 //            host's bodies went no farther than was assumed; if they did, people are stepped through
 //            from there on.
-//   end      people whom nothing touched have arrived; the forces of the last timestep stay among the
-//            host's until the next one, for whoever reads them
+//   end      people whom nothing touched have arrived; the forces of the last timestep, weights too,
+//            stay among the host's until the next one, for whoever reads them
 #pragma once
 #include "stepping/aiming.h"
 #include "stepping/free_paths.h"
@@ -44,6 +44,7 @@ class Hosting {
   void leave_paths(System& system, Data& data, int k);
   void move_all(System& system, Data& data);
   void make_substep(System& system, Data& data, Substep& substep, int k);
+  static int shape_of(const System& system, int body);
   void give_back(const System& system, const Data& data);
 
   Host* host_ = nullptr;

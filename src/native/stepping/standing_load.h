@@ -26,9 +26,10 @@ class StandingLoad {
   // A time h passes: what people press with on movable things meanwhile, appended to `out`. For a
   // world that another engine moves (hosting.h), which adds it to its forces itself.
   struct Pressing {
-    int body;
+    int shape;   // of the thing
+    int person;  // the body of the person that presses
     Vec3 at;
-    Vec3 force;  // [N]
+    Vec3 force;  // on the thing [N]
   };
   static void pressing(System& system, double h, std::vector<Pressing>& out);
   // After a frame of length dt: what contacts have pressed with.

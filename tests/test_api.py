@@ -14,9 +14,9 @@ HEAVY = ("mujoco", "trimesh", "viser", "scipy", "tyro", "yaml", "PIL")
 
 NAMES = """
 JOINT_NAMES Body Box Capsule Cylinder HalfPhysicsError HalfPhysicsWarning Mesh Motion Plane Pose
-Result Scene Sequence Settings Simulator Sphere __version__ attach baselines clips errors export
-adapt fix judge load_sequence metrics progress scenarios simulate simulate_many support
-view
+Result Scene Sequence Settings Simulator Sphere __version__ attach baselines bind clips errors
+export adapt fix judge load_sequence metrics progress scenarios simulate simulate_many step_worlds
+support view
 """
 
 SETTINGS = (
@@ -90,6 +90,8 @@ PARAMETERS = {
     "Simulator.set_state": "self state",
     "view": "result more * labels host port block",
     "attach": "spec body prefix",
+    "bind": "model data humans * settings",
+    "step_worlds": "controls poses dt * threads",
     "Result": "* people objects scene names contacts clearance lost_time settings substeps "
     "diagnostics inside breaches joints",
     "Result.save": "self path",

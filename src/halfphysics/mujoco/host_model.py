@@ -44,6 +44,7 @@ class HostModel:
         static_name: Of every piece of static geometry its name's index.
         shape_geom, static_geom: The same as geoms of the MuJoCo model, -1: none.
         mirrors: Bodies of the core's people and their mocap rows in MuJoCo (n, 2).
+        masses: Of the core's bodies (n,) [kg].
     """
 
     stepper: Any
@@ -55,6 +56,7 @@ class HostModel:
     shape_geom: Ints
     static_geom: Ints
     mirrors: NDArray[np.int32]
+    masses: Array
 
 
 def host_model(model: Any, humans: Sequence[Human], settings: Settings) -> HostModel:
@@ -97,6 +99,7 @@ def host_model(model: Any, humans: Sequence[Human], settings: Settings) -> HostM
         stepper=stepper,
         people=people,
         names=shapes.names,
+        masses=np.array(joint.body_mass),
         mirrors=np.stack([bodies, np.concatenate(mirrors)], axis=1).astype(np.int32),
         **table,
     )

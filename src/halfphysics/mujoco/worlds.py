@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
+from halfphysics.base.machine import cores
 from halfphysics.errors import InputError
 from halfphysics.mujoco import engine
 from halfphysics.mujoco.control import Control, _timestep
@@ -52,7 +52,7 @@ def step_worlds(
             stack.callback(control._relax)
         for control, (_, h) in zip(controls, steps, strict=True):
             stack.enter_context(_timestep(control._model, h))
-        count = threads or len(os.sched_getaffinity(0))
+        count = threads or cores()
         errors = _native.run_worlds([control._world for control in controls], count)
     for control, error in zip(controls, errors, strict=True):
         if not error:

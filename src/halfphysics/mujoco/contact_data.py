@@ -85,6 +85,8 @@ class PersonContacts:
 
 def person_contacts(host: HostModel, rows: Array, timestep: float) -> PersonContacts:
     """The core's rows (n, 13) of a timestep of that length [s], as MuJoCo has contacts."""
+    if not len(rows):
+        return _NONE
     shape, static, other = rows[:, :3].astype(np.int64).T
     # One more entry for index -1: a row has either a static or a second shape.
     geom = np.append(host.shape_geom, -1)
@@ -116,3 +118,13 @@ def _frames(normal: Array) -> Array:
     first = aside - normal * np.sum(aside * normal, axis=1, keepdims=True)
     first /= np.linalg.norm(first, axis=1, keepdims=True)
     return np.stack([normal, first, np.cross(normal, first)], axis=1)
+
+
+_NONE = PersonContacts(
+    geom1=np.zeros(0, dtype=np.int64),
+    geom2=np.zeros(0, dtype=np.int64),
+    pos=np.zeros((0, 3)),
+    frame=np.zeros((0, 9)),
+    dist=np.zeros(0),
+    force=np.zeros((0, 6)),
+)

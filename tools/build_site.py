@@ -41,7 +41,8 @@ MODULES = {
 TOPICS = {
     "Motions and bodies": ["Motion", "Pose", "Body", "JOINT_NAMES", "clips", "load_sequence"],
     "Scenes": ["Scene", "Plane", "Box", "Sphere", "Capsule", "Cylinder", "Mesh"],
-    "Simulation": ["simulate", "simulate_many", "Simulator", "Settings", "Sequence", "attach"],
+    "Simulation": ["simulate", "simulate_many", "Simulator", "Settings", "Sequence"],
+    "MuJoCo worlds": ["attach", "bind", "step_worlds"],
     "Results": ["Result", "export", "view"],
     "Repair and adaptation": ["fix", "adapt", "judge"],
     "Errors": ["HalfPhysicsError", "HalfPhysicsWarning"],
@@ -52,14 +53,16 @@ GIVEN = {
     "halfphysics.results.contacts": ["Contacts"],
     "halfphysics.results.inside": ["Inside"],
     "halfphysics.simulation.frame": ["Frame"],
-    "halfphysics.mujoco.hosted": ["Human", "Control"],
+    "halfphysics.mujoco.attach": ["Human"],
+    "halfphysics.mujoco.control": ["Control"],
+    "halfphysics.mujoco.contact_data": ["PersonContacts", "PersonContact"],
     "halfphysics.repair.repair": ["Repair"],
     "halfphysics.viewer.view": ["Viewer"],
 }
 #: Contents of the site: heading, pages. Documents that are not here come last.
 CONTENTS = {
     "Start": ["install", "tutorials/index", "first-steps", "scenarios", "gallery", "limits"],
-    "How to": ["viewer", "pictures", "python", "fix", "holds", "labels", "sweeps"],
+    "How to": ["viewer", "pictures", "python", "mujoco", "fix", "holds", "labels", "sweeps"],
     "Look up": [
         *("reference/index", "reference/commands", "formats", "scene-files", "result-files"),
         "metrics",

@@ -69,7 +69,7 @@ def test_rays_meet_the_person_where_it_is(contact):
     first = float(data.sensordata[0])
     assert 1.0 - CHEST < first < 1.0
     for i in range(1, 41):
-        back = hp.Pose(start.translation + [0.0, 0.005 * i, 0.0], start.rotations)
+        back = hp.Pose(start.translation + np.array([0.0, 0.005 * i, 0.0]), start.rotations)
         control.step(back, dt=1.0 / 40.0)
     # MuJoCo's sensors are of the beginning of the last timestep: 2 ms at 0.2 m/s.
     assert data.sensordata[0] == pytest.approx(first + 0.2 - 0.2 * 0.002, abs=2e-4)

@@ -15,6 +15,7 @@ from support.as_it_is import as_it_is
 from support.mujoco_worlds import HEIGHT, WRIST, spec_of, t_pose
 from support.people import along_x
 
+
 def sweep(model: mujoco.MjModel, data: mujoco.MjData, step, seconds: float, to: float) -> list:
     """Turn the arm about its yaw joint to `to` [rad], slowly; the results of `step`."""
     out = []

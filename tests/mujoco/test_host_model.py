@@ -16,7 +16,7 @@ from support.mujoco_worlds import spec_of, t_pose
 
 
 def aside(pose: hp.Pose, x: float) -> hp.Pose:
-    return hp.Pose(pose.translation + [x, 0.0, 0.0], pose.rotations)
+    return hp.Pose(pose.translation + np.array([x, 0.0, 0.0]), pose.rotations)
 
 
 @pytest.mark.parametrize("contact", ["skin", "parts"])

@@ -14,7 +14,7 @@ from support.mujoco_worlds import spec_of, t_pose
 
 
 def worlds(count: int = 5, force: float = 60.0) -> list:
-    """Worlds of one model: arms that start at different angles, and people whom some of them hit."""
+    """Worlds of one model: arms that start at different angles, and people whom some hit."""
     spec = spec_of(x=-1.1, y=-0.45, force=force)
     human = hp.attach(spec)
     model = spec.compile()
@@ -80,7 +80,7 @@ def test_mistakes_leave_all_worlds_as_they_are():
         hp.step_worlds([first], [pose], threads=0)
     with pytest.raises(InputError, match="found str, expected what bind returned"):
         hp.step_worlds(["first"], [pose])
-    with pytest.raises(InputError, match="expected a halfphysics.Pose"):
+    with pytest.raises(InputError, match=r"expected a halfphysics\.Pose"):
         hp.step_worlds([first, second], [pose, "upright"])
     with pytest.raises(InputError, match="dt: found 0"):
         hp.step_worlds([first, second], [pose, pose], 0.0)

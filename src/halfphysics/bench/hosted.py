@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from halfphysics.baselines.engine.velocity import VelocityDrive
 from halfphysics.base import rotations as rot
+from halfphysics.baselines.engine.velocity import VelocityDrive
 from halfphysics.bench.clips import body, story
 from halfphysics.bench.record import Options, Record
 from halfphysics.bench.sides import measure
@@ -167,7 +167,7 @@ def _play(control: Control, data: Any, poses: Sequence[Pose], dt: float) -> int:
     for t, pose in enumerate(poses[1:], 1):
         data.ctrl[0] = _aim(t, len(poses))
         control.step(pose, dt=dt)
-        touched += len(control.contact) > 0
+        touched += bool(data.xfrc_applied.any())
     return touched
 
 

@@ -62,9 +62,7 @@ def bind(
     return bound(model, data, several(humans), settings)
 
 
-def bound(
-    model: Any, data: Any, humans: Sequence[Human], settings: Settings | None
-) -> Control:
+def bound(model: Any, data: Any, humans: Sequence[Human], settings: Settings | None) -> Control:
     """`bind`; two calls below the user's line, for warnings."""
     settings = Settings() if settings is None else settings
     _check_settings(settings)
@@ -92,9 +90,7 @@ class Control(Bound):
         "and pass on get_state() with the data"
     )
 
-    def __init__(
-        self, model: Any, data: Any, humans: Sequence[Human], settings: Settings
-    ) -> None:
+    def __init__(self, model: Any, data: Any, humans: Sequence[Human], settings: Settings) -> None:
         from halfphysics import _native
 
         self._model, self._data, self.settings = model, data, settings
@@ -119,8 +115,11 @@ class Control(Bound):
         return f"Control({people}, {counted(around, 'geom')} around: {state})"
 
     def reset(self, pose: Pose | Sequence[Pose]) -> None:
-        """Put the people at a pose (one each), at rest, with `Settings.weight` on what is near under
-        them; warns of what of them starts inside the world."""
+        """Put the people at a pose (one each), at rest.
+
+        With `Settings.weight` they stand on what is near under them. Warns of what of them starts
+        inside the world.
+        """
         import mujoco
 
         poses = self._checked(pose)
@@ -229,7 +228,9 @@ class Control(Bound):
     def get_state(self) -> bytes:
         """The people's state; save MuJoCo's own state with it."""
         forces = self._world.forces()
-        return bytes(np.concatenate([self._stepper.save(), forces.ravel(), [len(forces)]]).tobytes())
+        return bytes(
+            np.concatenate([self._stepper.save(), forces.ravel(), [len(forces)]]).tobytes()
+        )
 
     def set_state(self, state: bytes) -> None:
         """Restore a state of `get_state`; restore `data` first.
@@ -306,9 +307,9 @@ class Control(Bound):
 
     def _finish(self) -> None:
         """After the timesteps: MuJoCo's sensors know of the people."""
-        rows = self._world.points()
-        if len(rows) or self._sensors.pushed:
-            self._sensors.update(person_contacts(self._host, rows, self._timestep))
+        pushed = self._world.pushes()
+        if pushed or self._sensors.pushed:
+            self._sensors.update(pushed, lambda: self.contact)
 
     def _targets(self, poses: Sequence[Pose]) -> Array:
         rows = [

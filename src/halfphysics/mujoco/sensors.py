@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -34,19 +35,22 @@ class SensorFeed:
         #: People pushed in the timestep that was looked at last.
         self.pushed = False
 
-    def update(self, contacts: PersonContacts) -> None:
-        """After a timestep in which people had these contacts."""
+    def update(self, pushed: bool, contacts: Callable[[], PersonContacts]) -> None:
+        """After a timestep in which people had contacts, which are asked for where that matters."""
         import mujoco
 
         mujoco.mj_rnePostConstraint(self._model, self._data)
-        self.pushed = len(contacts) > 0
+        self.pushed = pushed
         if not self._any or not self.pushed:
             return  # without contact they are right as they are
         mujoco.mj_sensorAcc(self._model, self._data)
         if mujoco.mjtDisableBit.mjDSBL_SENSOR & self._model.opt.disableflags:
             return
+        if not len(self._touch):
+            return
+        rows = contacts()
         for sensor in self._touch:
-            self._feel(int(sensor), contacts)
+            self._feel(int(sensor), rows)
 
     def _feel(self, sensor: int, contacts: PersonContacts) -> None:
         import mujoco

@@ -220,5 +220,6 @@ void bind_hosted_world(nb::module_& m) {
              w.stepper.set_hosted_forces({rows.data(), rows.data() + count});
            })
       .def("show", [](HostedWorld& w) { w.stepper.show_hosted(w.host); })
+      .def("pushes", [](const HostedWorld& w) { return !w.stepper.result().points.empty(); })
       .def("points", [](const HostedWorld& w) { return points(w.stepper); });
 }

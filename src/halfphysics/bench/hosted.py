@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -21,6 +21,8 @@ from halfphysics.mujoco.attach import attach
 from halfphysics.mujoco.control import Control
 from halfphysics.mujoco.worlds import step_worlds
 from halfphysics.settings import Settings
+
+Contact = Literal["skin", "parts"]
 
 #: MuJoCo's default timestep [s].
 TIMESTEP = 0.002
@@ -82,7 +84,7 @@ def worlds(options: Options) -> Iterator[Record]:
     motion = options.short(_arms_out(45))
     place, frames = _beside(motion), WORLDS * (len(motion) - 1)
     controls = [_control(motion, place, "skin") for _ in range(WORLDS)]
-    poses, dt = list(motion), 1.0 / motion.fps
+    poses, dt = _poses(motion), 1.0 / motion.fps
 
     def play(threads: int) -> Callable[[], int]:
         def run() -> int:
@@ -133,6 +135,10 @@ def _arms_out(frames: int, fps: float = 30.0) -> Motion:
     return Motion(path, rotations, fps)
 
 
+def _poses(motion: Motion) -> list[Pose]:
+    return [motion[t] for t in range(len(motion))]
+
+
 def _beside(motion: Motion) -> str:
     """The arm's base: its forearm meets the right forearm of the first pose in the swing."""
     return f"-1.1 -0.45 {motion.translation[0, 2] + body().rest_joints[0, 2] + 0.48:.4f}"
@@ -148,7 +154,7 @@ def _world(place: str) -> Any:
     return mujoco.MjSpec.from_string(ARM.format(timestep=TIMESTEP, place=place))
 
 
-def _control(motion: Motion, place: str, contact: str) -> tuple[Control, Any]:
+def _control(motion: Motion, place: str, contact: Contact) -> tuple[Control, Any]:
     import mujoco
 
     spec = _world(place)
@@ -171,9 +177,9 @@ def _play(control: Control, data: Any, poses: Sequence[Pose], dt: float) -> int:
     return touched
 
 
-def _ours(motion: Motion, place: str, contact: str) -> Callable[[], int]:
+def _ours(motion: Motion, place: str, contact: Contact) -> Callable[[], int]:
     control, data = _control(motion, place, contact)
-    poses = list(motion)
+    poses = _poses(motion)
     return lambda: _play(control, data, poses, 1.0 / motion.fps)
 
 

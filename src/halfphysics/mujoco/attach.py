@@ -57,7 +57,8 @@ def attach(spec: Any, body: Body | None = None, prefix: str = "human/") -> Human
 def _stand(spec: Any, body: Body, prefix: str) -> None:
     """Until a control moves it the person stands upright on z = 0; its geoms weigh nothing."""
     joints = body.rest_joints - body.rest_joints[0]
-    places = rot.rotate(np.array(UPRIGHT), joints) + [0.0, 0.0, body.variant.standing_height]
+    places = rot.rotate(np.array(UPRIGHT), joints)
+    places[:, 2] += body.variant.standing_height
     for part in body.variant.parts:
         mirror = spec.body(prefix + part.name)
         mirror.pos, mirror.quat = places[part.index], UPRIGHT

@@ -490,6 +490,7 @@ class HostedWorld:
         arg6: NDArray[numpy.float64],
         arg7: NDArray[numpy.float64],
         arg8: Annotated[NDArray[numpy.int32], "(*,)"],
+        arg9: Annotated[NDArray[numpy.int32], "(*,)"],
         /,
     ) -> None: ...
 

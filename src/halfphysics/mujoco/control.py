@@ -262,7 +262,7 @@ class Control(Bound):
             data.qpos, data.qvel, data.qacc, model.dof_damping, data.xipos, data.xfrc_applied,
             data.mocap_pos, data.mocap_quat,
         )  # fmt: skip
-        self._world.set_arrays(*arrays, np.ascontiguousarray(self._host.mirrors.ravel()))
+        self._world.set_arrays(*arrays, self._host.bodies, self._host.mirrors.ravel())
         at = engine.Addresses.of(model, data)
         self._alone = at.step != 0
         if self._alone:

@@ -44,7 +44,8 @@ class HostModel:
         static_name: Of every piece of static geometry its name's index.
         shape_geom, static_geom: The same as geoms of the MuJoCo model, -1: none.
         mirrors: Bodies of the core's people and their mocap rows in MuJoCo (n, 2).
-        masses: Of the core's bodies (n,) [kg].
+        bodies: Ids in MuJoCo of the core's bodies 1 to n, which people's come after (n,).
+        masses: Of the core's bodies [kg].
     """
 
     stepper: Any
@@ -56,6 +57,7 @@ class HostModel:
     shape_geom: Ints
     static_geom: Ints
     mirrors: NDArray[np.int32]
+    bodies: NDArray[np.int32]
     masses: Array
 
 
@@ -70,14 +72,15 @@ def host_model(model: Any, humans: Sequence[Human], settings: Settings) -> HostM
 
     mirrors = [_mirrors(model, human) for human in humans]
     armature = armature_of(stiffness_array(settings.stiffness, "Settings.stiffness"))
-    joint = join_beside(model, {SIMULATED + h.prefix: h.body for h in humans}, armature)
+    bodies = _world_bodies(model, humans)
+    joint = join_beside(model, bodies, {SIMULATED + h.prefix: h.body for h in humans}, armature)
     people = tuple(
         Person.of(joint, SIMULATED + h.prefix, h.prefix.rstrip("/") or "human", h.body)
         for h in humans
     )
     stepper = _native.Stepper()
     stepper.set_model(**model_arrays(joint))
-    shapes = _Shapes(stepper, model, people)
+    shapes = _Shapes(stepper, model, bodies, people)
     for index, (human, person) in enumerate(zip(humans, people, strict=True)):
         shapes.add_person(joint, index, human, person, settings)
     shapes.add_geoms()
@@ -89,18 +92,19 @@ def host_model(model: Any, humans: Sequence[Human], settings: Settings) -> HostM
     table = shapes.arrays()
     if settings.self_contact:
         first = len(shapes.geoms)
-        own = [
+        parts = [
             np.where(table["shape_name"] == first + i, table["shape_part"], -1)
             for i in range(len(people))
         ]
-        set_self_pairs(stepper, joint, people, own)
-    bodies = np.concatenate([person.bodies for person in people])
+        set_self_pairs(stepper, joint, people, parts)
+    own = np.concatenate([person.bodies for person in people])
     return HostModel(
         stepper=stepper,
         people=people,
         names=shapes.names,
         masses=np.array(joint.body_mass),
-        mirrors=np.stack([bodies, np.concatenate(mirrors)], axis=1).astype(np.int32),
+        mirrors=np.stack([own, np.concatenate(mirrors)], axis=1).astype(np.int32),
+        bodies=bodies.astype(np.int32),
         **table,
     )
 
@@ -123,11 +127,20 @@ def _mirrors(model: Any, human: Human) -> Ints:
     return rows.astype(np.int64)
 
 
+def _world_bodies(model: Any, humans: Sequence[Human]) -> Ints:
+    """All bodies but the world's and the people's mirrors, which the core has no use for."""
+    mirrors = {model.body(human.prefix + name).id for human in humans for name in JOINT_NAMES}
+    parents = {int(p) for p in np.asarray(model.body_parentid)}
+    ids = [b for b in range(1, model.nbody) if b not in mirrors or b in parents]
+    return np.array(ids, dtype=np.int64)
+
+
 class _Shapes:
     """The shapes of a world and its people, as they are handed to a core."""
 
-    def __init__(self, stepper: Any, model: Any, people: Sequence[Person]) -> None:
+    def __init__(self, stepper: Any, model: Any, bodies: Ints, people: Sequence[Person]) -> None:
         self._stepper, self._model = stepper, model
+        self._number = {int(body): i + 1 for i, body in enumerate(bodies)}
         self.geoms = [g for g in range(model.ngeom) if geoms.collides(model, g)]
         people_names = [person.name for person in people]
         self.names = (*(geoms.geom_name(model, g) for g in self.geoms), *people_names)
@@ -186,7 +199,7 @@ class _Shapes:
                 continue
             rotation, position = geoms.pose_in_body(model, g)
             collider = geoms.geom_collider(model, g).moved(rotation, position)
-            self._stepper.add_shape(body, name, -1, -1, *collider.arrays)
+            self._stepper.add_shape(self._number[body], name, -1, -1, *collider.arrays)
             self._shapes.append((name, -1, g))
 
     def _add_static(self, name: int, geom: int, rotation: Array, position: Array) -> None:

@@ -100,21 +100,25 @@ double* of_length(const Floats& a, size_t n, const char* what) {
 }
 
 void set_arrays(HostedWorld& w, Floats qpos, Floats qvel, Floats qacc, Floats damping, Floats xipos,
-                Floats applied, Floats mocap_pos, Floats mocap_quat, Ints mirrors) {
+                Floats applied, Floats mocap_pos, Floats mocap_quat, Ints bodies, Ints mirrors) {
   const Model& m = w.stepper.system.model;
   Host& h = w.host;
-  h.nq = (int)qpos.size(), h.nv = (int)qvel.size(), h.nbody = (int)xipos.size() / 3;
-  need(h.nq <= m.nq && h.nv <= m.nv && h.nbody <= m.nbody, "set_arrays: not of this model");
+  h.nq = (int)qpos.size(), h.nv = (int)qvel.size();
+  const size_t all = xipos.size() / 3;
+  h.bodies = list<int>(bodies);
+  const int own = (int)h.bodies.size();
+  need(h.nq <= m.nq && h.nv <= m.nv && own < m.nbody, "set_arrays: not of this model");
+  for (int b : h.bodies) need(b > 0 && b < (int)all, "set_arrays: no such body");
   const char* bad = "set_arrays: bad length";
   h.qpos = qpos.data(), h.qvel = qvel.data(), h.xipos = xipos.data();
   h.qacc = of_length(qacc, h.nv, bad), h.damping = of_length(damping, h.nv, bad);
-  h.applied = of_length(applied, 6 * (size_t)h.nbody, bad);
+  h.applied = of_length(applied, 6 * all, bad);
   const size_t mocap = mocap_pos.size() / 3;
   h.mocap_pos = mocap_pos.data(), h.mocap_quat = of_length(mocap_quat, 4 * mocap, bad);
   h.mirrors.clear();
   for (size_t i = 0; i + 1 < mirrors.shape(0); i += 2) {
     const int body = mirrors.data()[i], row = mirrors.data()[i + 1];
-    need(body >= h.nbody && body < m.nbody && row >= 0 && row < (int)mocap,
+    need(body > own && body < m.nbody && row >= 0 && row < (int)mocap,
          "set_arrays: no such mirror");
     h.mirrors.push_back({body, row});
   }
@@ -216,7 +220,8 @@ void bind_hosted_world(nb::module_& m) {
              need(rows.shape(0) == 0 || rows.shape(1) == 13, "set_forces: expected (n, 13)");
              const size_t count = rows.shape(0) * 13;
              for (size_t i = 0; i < count; i += 13)
-               need(rows.data()[i] > 0 && rows.data()[i] < w.host.nbody, "set_forces: no such body");
+               need(std::count(w.host.bodies.begin(), w.host.bodies.end(), (int)rows.data()[i]) == 1,
+                    "set_forces: no such body");
              w.stepper.set_hosted_forces({rows.data(), rows.data() + count});
            })
       .def("show", [](HostedWorld& w) { w.stepper.show_hosted(w.host); })

@@ -1,8 +1,8 @@
 // The world of another engine (docs/physics.md, "In another program's MuJoCo world"): its arrays, as
 // it lays them out, and what is done to them.
 //
-// The core's model begins with the host's bodies and coordinates, under the numbers that they have
-// there; people come after them. In the host a person is a set of bodies without joints, whose poses
+// The core's model begins with the host's bodies, in their order, and with its coordinates, under the
+// numbers that they have there; people come after them. In the host a person is a set of bodies without joints, whose poses
 // are written (MuJoCo's mocap bodies): its mirror.
 #pragma once
 #include <vector>
@@ -13,11 +13,12 @@ namespace hp {
 
 // Arrays of the host; it owns them.
 struct Host {
-  int nbody = 0, nq = 0, nv = 0;
+  int nq = 0, nv = 0;
+  std::vector<int> bodies;  // the host's numbers of the core's bodies 1, 2, ...
   double *qpos = nullptr, *qvel = nullptr, *qacc = nullptr;
   const double* damping = nullptr;  // of joints, implicit, per dof
-  const double* xipos = nullptr;    // centres of mass (nbody, 3) [m]
-  double* applied = nullptr;        // forces and torques on bodies at xipos (nbody, 6) [N, N m]
+  const double* xipos = nullptr;    // centres of mass of all its bodies (., 3) [m]
+  double* applied = nullptr;        // forces and torques on bodies at xipos (., 6) [N, N m]
   double *mocap_pos = nullptr, *mocap_quat = nullptr;
 
   struct Mirror {
@@ -26,7 +27,8 @@ struct Host {
   };
   std::vector<Mirror> mirrors;
 
-  bool owns(int body) const { return body > 0 && body < nbody; }
+  bool owns(int body) const { return body > 0 && body <= (int)bodies.size(); }
+  int number(int body) const { return bodies[body - 1]; }
   // Writes the people's poses.
   void show(const Kinematics& kin) const;
 };
@@ -35,6 +37,7 @@ struct Host {
 // exactly. A row that somebody else has written meanwhile is theirs, and stays.
 class AppliedForces {
  public:
+  // On a body of the host, by its number there.
   void add(const Host& host, int body, Vec3 at, Vec3 force);
   void remove(const Host& host);
   // Rows of 13: the body, its row without ours and with them.

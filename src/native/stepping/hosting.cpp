@@ -87,7 +87,7 @@ void Hosting::before(System& system, Data& data, int k) {
   pressing_.clear();
   StandingLoad::pressing(system, h_, pressing_);
   for (const StandingLoad::Pressing& p : pressing_)
-    forces_.add(*host_, system.world.shapes[p.shape].body, p.at, p.force);
+    forces_.add(*host_, host_->number(system.world.shapes[p.shape].body), p.at, p.force);
 }
 
 void Hosting::after(System& system, Data& data, Substep& substep, int k) {
@@ -102,7 +102,7 @@ void Hosting::after(System& system, Data& data, Substep& substep, int k) {
 bool Hosting::stay_clear(System& system, const State& state) {
   const Model& model = system.model;
   hosted_.assign(model.nbody, 0);
-  for (int b = 1; b < host_->nbody; b++) hosted_[b] = 1;
+  for (int b = 1; host_->owns(b); b++) hosted_[b] = 1;
   path_ = state.qpos;
   std::copy_n(host_->qpos, host_->nq, path_.begin());
   now_.kin.resize(model);
@@ -148,7 +148,7 @@ void Hosting::make_substep(System& system, Data& data, Substep& substep, int k) 
   std::copy_n(host_->damping, host_->nv, damping.begin());
   v_free_.assign(model.nv, 0);
   std::copy_n(host_->qvel, host_->nv, v_free_.begin());
-  for (int b = 1; b < host_->nbody; b++) data.result.disturbed[b] = 0;
+  for (int b = 1; host_->owns(b); b++) data.result.disturbed[b] = 0;
   data.step.host_v_free = v_free_.data();
   data.budget.begin_frame(1, (int)system.drives.size());
   data.budget.begin_substep(1);
@@ -200,7 +200,7 @@ void Hosting::end(System& system, Data& data) {
                                   -h_ * p.force, 0});
   auto push = [&](int shape, Vec3 at, Vec3 force) {
     const int body = shape < 0 ? 0 : system.world.shapes[shape].body;
-    if (host_->owns(body)) forces_.add(*host_, body, at, force);
+    if (host_->owns(body)) forces_.add(*host_, host_->number(body), at, force);
   };
   for (const FrameResult::Point& p : data.result.points) {
     push(p.shape, p.position, (1 / h_) * p.impulse);

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from halfphysics.motion.pose import Pose
     from halfphysics.motion.skeleton import JOINT_NAMES
     from halfphysics.mujoco.attach import attach
-    from halfphysics.mujoco.control import bind
+    from halfphysics.mujoco.binding import bind
     from halfphysics.mujoco.worlds import step_worlds
     from halfphysics.repair.repair import fix
     from halfphysics.results.result import Result
@@ -106,7 +106,7 @@ _FROM: dict[str, str | None] = {
     "Simulator": "simulation.simulator",
     "Sphere": "geometry.shapes",
     "attach": "mujoco.attach",
-    "bind": "mujoco.control",
+    "bind": "mujoco.binding",
     "clips": "formats.library",
     "export": "writers",
     "fix": "repair.repair",

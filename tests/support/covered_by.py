@@ -115,6 +115,7 @@ COVERED_BY = {
     "halfphysics/motion/resampling.py": "motion/test_motion.py",
     "halfphysics/motion/skeleton.py": "body/test_body.py assets/test_body.py",
     "halfphysics/motion/smplx_names.py": "motion/test_motion.py",
+    "halfphysics/mujoco/binding.py": "mujoco/test_control.py mujoco/test_host_model.py",
     "halfphysics/mujoco/geoms.py": "mujoco/test_control.py",
     "halfphysics/reference/algorithm1.py": "reference/test_step.py native/stepping/test_drive.py",
     "halfphysics/reference/contact.py": "reference/test_step.py native/contact/test_coulomb.py",

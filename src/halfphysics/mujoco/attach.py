@@ -84,6 +84,6 @@ class Human:
         Raises:
             InputError: Another model, or geoms that cannot be touched.
         """
-        from halfphysics.mujoco.control import bound
+        from halfphysics.mujoco.binding import bound
 
         return bound(model, data, [self], settings)

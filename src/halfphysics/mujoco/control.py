@@ -1,14 +1,13 @@
-"""People in a MuJoCo world of another program, with that program's model and actuators.
+"""Steps a MuJoCo world of another program, with that program's model and actuators.
 
-`attach` adds a person to a `mujoco.MjSpec`; `bind` makes a `Control` whose `step` replaces
-`mujoco.mj_step`. MuJoCo's own step computes the velocities of all bodies without the people; the
-impulses between people and world are added to them (docs/physics.md).
+`bind` makes a `Control`, whose `step` replaces `mujoco.mj_step`. MuJoCo's own step computes the
+velocities of all bodies without the people; the impulses between people and world are added to them
+(docs/physics.md).
 """
 
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from numbers import Real
@@ -19,62 +18,28 @@ from numpy.typing import NDArray
 
 from halfphysics.base.copying import Bound
 from halfphysics.base.short_repr import counted
-from halfphysics.errors import HalfPhysicsWarning, InputError
+from halfphysics.errors import InputError
 from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.motion.pose import Pose
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.mujoco import engine
-from halfphysics.mujoco.attach import Human
 from halfphysics.mujoco.contact_data import PersonContacts, person_contacts
 from halfphysics.mujoco.host_model import host_model
 from halfphysics.mujoco.sensors import SensorFeed
-from halfphysics.settings import Settings
 from halfphysics.simulation.argument_checks import several
 from halfphysics.simulation.coordinates import joints_from_core, joints_to_core
 from halfphysics.simulation.core_rows import ContactRows, contact_rows
 from halfphysics.simulation.start_warnings import warn_of_hosted_start
 
 if TYPE_CHECKING:
+    from halfphysics.mujoco.attach import Human
+    from halfphysics.settings import Settings
     from halfphysics.simulation.coordinates import Person
 
 Array = NDArray[np.float64]
 
-#: Longest step for which the drive is accurate [s] (docs/physics.md, "The drive").
-LONGEST_STEP = 1.0 / 240.0
 _WHOLE = 1e-6  # relative tolerance for a step to be a whole number of timesteps
 _FORCES = 13  # numbers of one of the core's forces among the host's
-
-
-def bind(
-    model: Any, data: Any, humans: Human | Sequence[Human], *, settings: Settings | None = None
-) -> Control:
-    """Take over people in a compiled model, to be stepped together.
-
-    Args:
-        model, data: The `mujoco.MjModel` that the spec compiled to, and its `mujoco.MjData`.
-        humans: What `attach` returned, one per person; people touch each other, too.
-        settings: Of all of them. See `Settings`; `substeps` and `record` do not apply (a substep is
-            a timestep of the model), friction is that of the geoms.
-
-    Raises:
-        InputError: Nobody, somebody twice, another model, or geoms that cannot be touched.
-    """
-    return bound(model, data, several(humans), settings)
-
-
-def bound(model: Any, data: Any, humans: Sequence[Human], settings: Settings | None) -> Control:
-    """`bind`; two calls below the user's line, for warnings."""
-    settings = Settings() if settings is None else settings
-    _check_settings(settings)
-    _check_humans(humans)
-    if model.opt.timestep > LONGEST_STEP + 1e-12:
-        warnings.warn(
-            f"bind: the model's timestep is {model.opt.timestep:g} s; the drive wants at most "
-            f"{LONGEST_STEP:g} s (model.opt.timestep)",
-            HalfPhysicsWarning,
-            stacklevel=3,
-        )
-    return Control(model, data, humans, settings)
 
 
 class Control(Bound):
@@ -365,27 +330,3 @@ def _timestep(model: Any, h: float) -> Iterator[None]:
         yield
     finally:
         model.opt.timestep = before
-
-
-def _check_settings(settings: Settings) -> None:
-    """Refuse settings that a hosted person does not support."""
-    if not isinstance(settings, Settings):
-        raise InputError(f"settings: found {settings!r}, expected halfphysics.Settings")
-    if settings.drive.poses or settings.drive.follow is not None:
-        raise InputError(
-            f"bind: found the baseline {type(settings).__name__}; in a MuJoCo world of one's "
-            "own a person is driven. Expected other settings, or use halfphysics.Simulator"
-        )
-
-
-def _check_humans(humans: Sequence[Human]) -> None:
-    """Refuse what is no person, nobody, and somebody twice."""
-    for human in humans:
-        if not isinstance(human, Human):
-            raise InputError(
-                f"bind: humans: found {type(human).__name__}, expected what attach returned"
-            )
-    prefixes = [human.prefix for human in humans]
-    if not prefixes or len(set(prefixes)) < len(prefixes):
-        found = ", ".join(map(repr, prefixes)) or "nobody"
-        raise InputError(f"bind: humans: found {found}, expected people of different prefixes")

@@ -193,7 +193,8 @@ void bind_hosted_world(nb::module_& m) {
            })
       .def_prop_ro("error", [](const HostedWorld& w) { return w.error; })
       // The same, timestep by timestep, for a caller who makes them.
-      .def("begin", [](HostedWorld& w) { w.begin(true); }, nb::call_guard<nb::gil_scoped_release>())
+      .def(
+          "begin", [](HostedWorld& w) { w.begin(true); }, nb::call_guard<nb::gil_scoped_release>())
       .def("before",
            [](HostedWorld& w, int k) {
              need(w.begun && k >= 0 && k < w.n, "before: no such timestep");
@@ -205,10 +206,11 @@ void bind_hosted_world(nb::module_& m) {
              nb::gil_scoped_release release;
              w.stepper.after_hosted(k);
            })
-      .def("end", [](HostedWorld& w) {
-        need(w.begun, "end: no frame has begun");
-        w.end();
-      })
+      .def("end",
+           [](HostedWorld& w) {
+             need(w.begun, "end: no frame has begun");
+             w.end();
+           })
       // What set_state needs: forces of ours among the host's, and people shown again.
       .def("forces",
            [](const HostedWorld& w) {
@@ -220,8 +222,9 @@ void bind_hosted_world(nb::module_& m) {
              need(rows.shape(0) == 0 || rows.shape(1) == 13, "set_forces: expected (n, 13)");
              const size_t count = rows.shape(0) * 13;
              for (size_t i = 0; i < count; i += 13)
-               need(std::count(w.host.bodies.begin(), w.host.bodies.end(), (int)rows.data()[i]) == 1,
-                    "set_forces: no such body");
+               need(
+                   std::count(w.host.bodies.begin(), w.host.bodies.end(), (int)rows.data()[i]) == 1,
+                   "set_forces: no such body");
              w.stepper.set_hosted_forces({rows.data(), rows.data() + count});
            })
       .def("show", [](HostedWorld& w) { w.stepper.show_hosted(w.host); })

@@ -166,7 +166,8 @@ bool FreePaths::strayed(const System& system) {
 
 bool FreePaths::beyond(const System& system, const std::vector<double>& way) const {
   for (size_t i = 0; i < system.world.shapes.size(); i++)
-    if (busy_[system.tree((int)i)] && system.world.broad_phase.travelled((int)i) + way[i] > assumed_[i])
+    if (busy_[system.tree((int)i)] &&
+        system.world.broad_phase.travelled((int)i) + way[i] > assumed_[i])
       return true;
   return false;
 }

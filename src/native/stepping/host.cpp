@@ -15,7 +15,8 @@ void Host::show(const Kinematics& kin) const {
 
 void AppliedForces::add(const Host& host, int body, Vec3 at, Vec3 force) {
   double* row = host.applied + 6 * body;
-  auto known = std::find_if(rows_.begin(), rows_.end(), [&](const Row& r) { return r.body == body; });
+  auto known =
+      std::find_if(rows_.begin(), rows_.end(), [&](const Row& r) { return r.body == body; });
   if (known == rows_.end()) {
     known = rows_.insert(rows_.end(), Row{body, {}, {}});
     std::copy_n(row, 6, known->before);

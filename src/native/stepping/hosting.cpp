@@ -196,8 +196,8 @@ void Hosting::end(System& system, Data& data) {
   state.update_pose(system);
   host_->show(state.pose.kin);
   for (const StandingLoad::Pressing& p : pressing_)
-    data.result.points.push_back({shape_of(system, p.person), -1, p.shape, p.at, {0, 0, 1},
-                                  -h_ * p.force, 0});
+    data.result.points.push_back(
+        {shape_of(system, p.person), -1, p.shape, p.at, {0, 0, 1}, -h_ * p.force, 0});
   auto push = [&](int shape, Vec3 at, Vec3 force) {
     const int body = shape < 0 ? 0 : system.world.shapes[shape].body;
     if (host_->owns(body)) forces_.add(*host_, host_->number(body), at, force);

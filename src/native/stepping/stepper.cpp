@@ -164,6 +164,7 @@ void Stepper::load(const std::vector<double>& state) {
   snapshot().check(state);
   snapshot().load(state);
   data_.result.touches.clear();
+  data_.result.points.clear();
 }
 
 }  // namespace hp

@@ -16,7 +16,7 @@ NAMES = """
 JOINT_NAMES Body Box Capsule Cylinder HalfPhysicsError HalfPhysicsWarning Mesh Motion Plane Pose
 Result Scene Sequence Settings Simulator Sphere __version__ attach baselines clips compile_world
 connect errors export adapt fix judge load_sequence metrics progress scenarios serve simulate
-simulate_many support view
+simulate_many support view bind step_worlds
 """
 
 SETTINGS = (
@@ -94,6 +94,8 @@ PARAMETERS = {
     "Simulator.set_state": "self state",
     "view": "result more * labels host port block",
     "attach": "spec body prefix",
+    "bind": "model data humans * settings",
+    "step_worlds": "controls poses dt * threads",
     "Result": "* people objects scene names contacts clearance lost_time settings substeps "
     "diagnostics inside breaches joints",
     "Result.save": "self path",

@@ -59,7 +59,7 @@ LAYERS = {
     ),
     "bench": (
         "errors base motion geometry body settings scene results simulation metrics baselines "
-        "render labels scenarios viewer sweep _native"
+        "render labels mujoco scenarios viewer sweep _native"
     ),
     "cli": (
         "errors base motion body settings scene results simulation metrics baselines repair "

@@ -41,7 +41,8 @@ MODULES = {
 TOPICS = {
     "Motions and bodies": ["Motion", "Pose", "Body", "JOINT_NAMES", "clips", "load_sequence"],
     "Scenes": ["Scene", "Plane", "Box", "Sphere", "Capsule", "Cylinder", "Mesh"],
-    "Simulation": ["simulate", "simulate_many", "Simulator", "Settings", "Sequence", "attach"],
+    "Simulation": ["simulate", "simulate_many", "Simulator", "Settings", "Sequence"],
+    "MuJoCo worlds": ["attach", "bind", "step_worlds"],
     "Results": ["Result", "export", "view"],
     "Repair and adaptation": ["fix", "adapt", "judge"],
     "Errors": ["HalfPhysicsError", "HalfPhysicsWarning"],
@@ -52,7 +53,9 @@ GIVEN = {
     "halfphysics.results.contacts": ["Contacts"],
     "halfphysics.results.inside": ["Inside"],
     "halfphysics.simulation.frame": ["Frame"],
-    "halfphysics.mujoco.hosted": ["Human", "Control"],
+    "halfphysics.mujoco.attach": ["Human"],
+    "halfphysics.mujoco.control": ["Control"],
+    "halfphysics.mujoco.contact_data": ["PersonContacts", "PersonContact"],
     "halfphysics.repair.repair": ["Repair"],
     "halfphysics.viewer.view": ["Viewer"],
 }
@@ -60,8 +63,8 @@ GIVEN = {
 CONTENTS = {
     "Start": ["install", "tutorials/index", "first-steps", "scenarios", "gallery", "limits"],
     "How to": [
-        *("viewer", "browser", "live", "protocols", "pictures", "python", "c-api", "fix", "holds"),
-        *("labels", "sweeps"),
+        *("viewer", "browser", "live", "protocols", "pictures", "python", "mujoco"),
+        *("c-api", "fix", "holds", "labels", "sweeps"),
     ],
     "Look up": [
         *("reference/index", "reference/commands", "formats", "scene-files", "result-files"),

@@ -27,7 +27,9 @@ if TYPE_CHECKING:
     from halfphysics.motion.motion import Motion
     from halfphysics.motion.pose import Pose
     from halfphysics.motion.skeleton import JOINT_NAMES
-    from halfphysics.mujoco.hosted import attach
+    from halfphysics.mujoco.attach import attach
+    from halfphysics.mujoco.binding import bind
+    from halfphysics.mujoco.worlds import step_worlds
     from halfphysics.repair.repair import fix
     from halfphysics.results.result import Result
     from halfphysics.scene.scene import Scene
@@ -64,6 +66,7 @@ __all__ = [
     "adapt",
     "attach",
     "baselines",
+    "bind",
     "clips",
     "compile_world",
     "connect",
@@ -78,6 +81,7 @@ __all__ = [
     "serve",
     "simulate",
     "simulate_many",
+    "step_worlds",
     "support",
     "view",
 ]
@@ -107,7 +111,8 @@ _FROM: dict[str, str | None] = {
     "Settings": "settings",
     "Simulator": "simulation.simulator",
     "Sphere": "geometry.shapes",
-    "attach": "mujoco.hosted",
+    "attach": "mujoco.attach",
+    "bind": "mujoco.binding",
     "clips": "formats.library",
     "compile_world": "simulation.compile_world",
     "connect": "live.client",
@@ -119,6 +124,7 @@ _FROM: dict[str, str | None] = {
     "serve": "live.serve",
     "simulate": "simulation.simulate",
     "simulate_many": "simulation.simulate_many",
+    "step_worlds": "mujoco.worlds",
     "view": "viewer.view",
 }
 

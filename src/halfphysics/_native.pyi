@@ -290,26 +290,6 @@ class Stepper:
         /,
     ) -> None: ...
 
-    def begin_hosted(
-        self,
-        arg0: Annotated[NDArray[numpy.float64], "(*,)"],
-        arg1: float,
-        /,
-    ) -> None: ...
-
-    def substep_hosted(
-        self,
-        arg0: int,
-        arg1: float,
-        arg2: Annotated[NDArray[numpy.float64], "(*,)"],
-        arg3: Annotated[NDArray[numpy.float64], "(*,)"],
-        arg4: Annotated[NDArray[numpy.float64], "(*,)"],
-        arg5: Annotated[NDArray[numpy.float64], "(*,)"],
-        /,
-    ) -> None: ...
-
-    def end_hosted(self) -> None: ...
-
     def adopt(
         self,
         arg0: Stepper,
@@ -491,6 +471,63 @@ class Batch:
     def take(self, key: int) -> dict[str, Any]: ...
 
     def close(self) -> None: ...
+
+def catch_engine_errors(arg: int, /) -> None: ...
+
+def run_worlds(arg0: Sequence[HostedWorld], arg1: int, /) -> list[str]: ...
+
+class HostedWorld:
+    def __init__(self, arg: Stepper, /) -> None: ...
+
+    def set_arrays(
+        self,
+        arg0: NDArray[numpy.float64],
+        arg1: NDArray[numpy.float64],
+        arg2: NDArray[numpy.float64],
+        arg3: NDArray[numpy.float64],
+        arg4: NDArray[numpy.float64],
+        arg5: NDArray[numpy.float64],
+        arg6: NDArray[numpy.float64],
+        arg7: NDArray[numpy.float64],
+        arg8: Annotated[NDArray[numpy.int32], "(*,)"],
+        arg9: Annotated[NDArray[numpy.int32], "(*,)"],
+        /,
+    ) -> None: ...
+
+    def set_engine(self, arg0: int, arg1: int, arg2: int, /) -> None: ...
+
+    def start(self) -> None: ...
+
+    def aim(
+        self,
+        arg0: Annotated[NDArray[numpy.float64], "(*,)"],
+        arg1: int,
+        arg2: float,
+        /,
+    ) -> None: ...
+
+    def run(self) -> None: ...
+
+    @property
+    def error(self) -> str: ...
+
+    def begin(self) -> None: ...
+
+    def before(self, arg: int, /) -> None: ...
+
+    def after(self, arg: int, /) -> None: ...
+
+    def end(self) -> None: ...
+
+    def forces(self) -> NDArray[numpy.float64]: ...
+
+    def set_forces(self, arg: Annotated[NDArray[numpy.float64], "(*, *)"], /) -> None: ...
+
+    def show(self) -> None: ...
+
+    def pushes(self) -> bool: ...
+
+    def points(self) -> NDArray[numpy.float64]: ...
 
 def kinematics(
     rotations: Annotated[NDArray[numpy.float64], "(*, *, 3)"],

@@ -117,6 +117,19 @@ CASES: Mapping[str, tuple[str, str, str]] = MappingProxyType(
             "8 clips together at a wall, processor time of all threads; and by the clock. "
             "Baseline: simulate, clip after clip",
         ),
+        "hosted": (
+            "hosted",
+            "hosted",
+            "a person in a MuJoCo world of one's own, beside a robot arm, 2 ms, 30 frames/s. "
+            "Baseline: the same world with the person as plain MuJoCo bodies, velocities set, "
+            "internal forces cancelled",
+        ),
+        "hosted-worlds": (
+            "hosted",
+            "worlds",
+            "8 such worlds in which the arm presses on the person, by one call, processor time of "
+            "all threads; and by the clock. Baseline: Control.step, world after world",
+        ),
         "instructions": (
             "instructions",
             "instructions",

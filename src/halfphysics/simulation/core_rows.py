@@ -52,10 +52,12 @@ class Named(Protocol):
     def names(self) -> tuple[str, ...]: ...
     @property
     def people(self) -> tuple[Person, ...]: ...
-
-    static_name: NDArray[np.int64]
-    shape_name: NDArray[np.int64]
-    shape_part: NDArray[np.int64]
+    @property
+    def static_name(self) -> NDArray[np.int64]: ...
+    @property
+    def shape_name(self) -> NDArray[np.int64]: ...
+    @property
+    def shape_part(self) -> NDArray[np.int64]: ...
 
 
 def contact_rows(world: Named, rows: Array) -> tuple[ContactRows, NDArray[np.int64]]:

@@ -138,6 +138,29 @@ def join_model(
     return joined(trees + [_articulated_tree(item) for item in scene.articulated.values()])
 
 
+def join_beside(
+    model: Any, bodies: NDArray[np.int64], people: Mapping[str, Body], armature: Array
+) -> JoinedModel:
+    """Trees of a compiled `mujoco.MjModel`, then those of people.
+
+    Args:
+        model: Its joints and coordinates keep their numbers.
+        bodies: Ids of its bodies (n,), rising, but the world's; those left out have neither
+            joints nor children. They become bodies 1 to n.
+        people: Prefix of the names of a person's bodies -> the person's body.
+        armature: Of the people's joints (55,) [kg m^2].
+    """
+    whole, kept = _tree_of(model), bodies - 1
+    number = np.full(model.nbody, -1)
+    number[bodies] = np.arange(len(bodies))
+    arrays = {k: v[kept] if k in BODY else v for k, v in whole.arrays.items()}
+    arrays["body_parentid"] = number[arrays["body_parentid"] + 1]
+    arrays["jnt_bodyid"] = number[arrays["jnt_bodyid"] + 1]
+    host = Tree(arrays, tuple(whole.body_names[i] for i in kept), whole.joint_names)
+    trees = [_person_tree(body.variant, prefix, armature) for prefix, body in people.items()]
+    return joined([host, *trees])
+
+
 def joined(trees: Iterable[Tree]) -> JoinedModel:
     """Trees under one world body, in their order."""
     parts = [_WORLD]

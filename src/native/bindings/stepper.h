@@ -11,8 +11,9 @@ using StepperClass = nb::class_<hp::Stepper>;
 void bind_stepper_system(StepperClass& stepper);  // model, settings, strength
 void bind_skin_shapes(nb::module_& m);
 void bind_batch(nb::module_& m);                   // whole motions on threads
+void bind_hosted_world(nb::module_& m);            // people in another engine's world
 void bind_stepper_shapes(StepperClass& stepper);   // shapes, static geometry, pairs of them
-void bind_stepper_frames(StepperClass& stepper);   // reset, frames, hosting, snapshots
+void bind_stepper_frames(StepperClass& stepper);   // reset, frames, snapshots
 void bind_stepper_results(StepperClass& stepper);  // poses, contacts, clearances
 // Looks inside the stepper, for tests and measurements (probes.cpp).
 void bind_probes(nb::module_& m, StepperClass& stepper);

@@ -1,4 +1,4 @@
-// Resets, frames, another engine's world, snapshots. Frames run without the GIL.
+// Resets, frames, snapshots. Frames run without the GIL.
 #include <algorithm>
 #include <chrono>
 
@@ -37,16 +37,6 @@ nb::dict run(Stepper& s, Square targets, double dt, int n, bool record, double s
   return recording.dict(s);
 }
 
-void substep_hosted(Stepper& s, int k, double h, Doubles qpos, Doubles qvel, Doubles v_free,
-                    Doubles damping) {
-  const size_t nq = s.system.model.nq, nv = s.system.model.nv;
-  need(
-      qpos.shape(0) == nq && qvel.shape(0) == nv && v_free.shape(0) == nv && damping.shape(0) == nv,
-      "substep_hosted: bad length of qpos, qvel, v_free or damping");
-  nb::gil_scoped_release release;
-  s.substep_hosted(k, h, qpos.data(), qvel.data(), v_free.data(), damping.data());
-}
-
 }  // namespace
 
 void bind_stepper_frames(StepperClass& stepper) {
@@ -65,14 +55,6 @@ void bind_stepper_frames(StepperClass& stepper) {
              need(six.shape(0) == 6, "set_velocity: expected six numbers");
              s.set_velocity(body, six.data());
            })
-      // In another engine's world: see Hosting.
-      .def("begin_hosted",
-           [](Stepper& s, Doubles targets, double dt) {
-             need((int)targets.shape(0) == target_count(s), "begin_hosted: bad length of targets");
-             s.begin_hosted(targets.data(), dt);
-           })
-      .def("substep_hosted", &substep_hosted)
-      .def("end_hosted", &Stepper::end_hosted)
       .def("adopt", [](Stepper& s, Stepper& old, Ints body,
                        Ints shape) { s.adopt(old, list<int>(body), list<int>(shape)); })
       .def("save", [](Stepper& s) { return array(s.save()); })

@@ -33,12 +33,16 @@ const std::vector<double>& Step::way(const System& system, const State& state) {
 
 void FrameResult::clear(int nbody) {
   touches.clear();
+  points.clear();
   breaches.clear();
   diagnostics = {};
   disturbed.assign(nbody, 0);
 }
 
 void FrameResult::add(const ContactCandidate& candidate, const Contact& contact) {
+  if (keep_points)
+    points.push_back({candidate.shape, candidate.other_static, candidate.other_shape,
+                      contact.position, contact.n, contact.impulse, contact.dist});
   Touch* t = nullptr;
   for (Touch& o : touches)
     if (o.shape == candidate.shape && o.other_static == candidate.other_static &&

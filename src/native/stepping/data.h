@@ -110,6 +110,14 @@ struct Diagnostics {  // of one frame
 
 struct FrameResult {
   std::vector<Touch> touches;
+  // Every contact point that carried an impulse, one by one, where somebody asks for them.
+  struct Point {
+    int shape, other_static, other_shape;
+    Vec3 position, normal, impulse;  // the impulse on `shape` [N s]
+    double dist;                     // gap at the start of the substep [m]
+  };
+  bool keep_points = false;
+  std::vector<Point> points;
   Diagnostics diagnostics;
   std::vector<char> disturbed;   // per root body: contacts have acted on its tree
   std::vector<Breach> breaches;  // overlaps that should not be, at any committed pose; the deepest

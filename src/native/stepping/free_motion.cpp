@@ -15,7 +15,8 @@ void FreeMotion::drive(System& system, Data& data, InternalForces& internal, int
     if (system.active(d))
       any |= d.free_velocity(settings, k, h, state.qpos.data(), state.qvel.data(),
                              step.v_free.data(), impulse_.data());
-  const bool trees = system.articulations.any(model, world.active);
+  // A host has found what its own joints do.
+  const bool trees = !step.host_v_free && system.articulations.any(model, world.active);
   const bool own = settings.own_forces();
   if (!any && !trees && !own) return;
   data.inertia.build(system, state, step, h);

@@ -164,18 +164,26 @@ bool FreePaths::strayed(const System& system) {
   return strayed;
 }
 
+bool FreePaths::beyond(const System& system, const std::vector<double>& way) const {
+  for (size_t i = 0; i < system.world.shapes.size(); i++)
+    if (busy_[system.tree((int)i)] &&
+        system.world.broad_phase.travelled((int)i) + way[i] > assumed_[i])
+      return true;
+  return false;
+}
+
+void FreePaths::along(const Drive& d, double share, double* q) const {
+  std::copy_n(&start_qpos_[d.first_qpos()], d.qpos_count(), q + d.first_qpos());
+  d.motion.follow(share, q);
+}
+
 void FreePaths::arrive(System& system, Data& data, double* rows, int n) {
   State& state = data.state;
   for (size_t i = 0; i < system.drives.size(); i++) {
     Drive& d = system.drives[i];
     if (!settled_[i] || data.result.disturbed[d.body(0)]) continue;
-    const int first = d.first_qpos(), count = d.qpos_count();
-    auto arrive = [&](double share, double* q) {
-      std::copy_n(&start_qpos_[first], count, q + first);
-      d.motion.follow(share, q);
-    };
-    for (int k = 0; k < n && rows; k++) arrive((k + 1.0) / n, rows + (size_t)k * system.model.nq);
-    arrive(1, state.qpos.data());
+    for (int k = 0; k < n && rows; k++) along(d, (k + 1.0) / n, rows + (size_t)k * system.model.nq);
+    along(d, 1, state.qpos.data());
     d.followed(system.carries(d));
     if (busy_[d.body(0)]) state.pose_known = false;  // the last step ended a rounding away
   }

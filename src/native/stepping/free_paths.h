@@ -24,6 +24,7 @@ class FreePaths {
   const std::vector<char>& busy() const { return busy_; }  // per root body
   bool any_busy() const { return any_busy_; }
   bool any_free() const { return any_free_; }
+  const std::vector<double>& start() const { return start_qpos_; }  // qpos, of the frame
 
   // Before the substeps of busy trees: remembers where the free ones are.
   void leave(const State& state) { followed_ = state.pose; }
@@ -31,6 +32,12 @@ class FreePaths {
   bool strayed(const System& system);
   void make_all_busy(const Model& m);
 
+  // The same where busy trees have gone no farther than `way` (per shape) [m], about which the broad
+  // phase has not been told: a host moves them (hosting.h).
+  bool beyond(const System& system, const std::vector<double>& way) const;
+
+  // A person on a free path after a share of the frame, into `q`.
+  void along(const Drive& d, double share, double* q) const;
   // After the substeps: people whom nothing touched have arrived, stepped through or not: the same
   // bits either way. `rows`, if any: the frame's n recorded poses, which then follow the path.
   void arrive(System& system, Data& data, double* rows, int n);

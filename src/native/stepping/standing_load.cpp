@@ -12,7 +12,7 @@ double weight(const System& system, const Drive& d) {
   return system.model.carried[d.body(0)] * norm(system.gravity);
 }
 
-// Calls `act(body, point, share)` for whatever a person presses on.
+// Calls `act(i, body, share)` for whatever a person presses on with point i.
 template <class Act>
 void for_loads(const System& system, const Drive& d, Act act) {
   const Bearing& bearing = d.footing.bearing;
@@ -21,7 +21,7 @@ void for_loads(const System& system, const Drive& d, Act act) {
     const BearingPoint& p = bearing.points[i];
     if (p.shape < 0 || bearing.load(i) <= 0) continue;
     const int body = system.world.shapes[p.shape].body;
-    if (!system.is_person(body) && system.world.active[body]) act(body, p.at, bearing.load(i));
+    if (!system.is_person(body) && system.world.active[body]) act(i, body, bearing.load(i));
   }
 }
 
@@ -50,7 +50,7 @@ void free_response(const Model& m, int body, double* impulse) {
 void StandingLoad::wake(System& system, Data& data) const {
   std::vector<char> woken;
   for (const Drive& d : system.drives)
-    for_loads(system, d, [&](int body, Vec3, double) {
+    for_loads(system, d, [&](size_t, int body, double) {
       const int root = system.model.root[body];
       if (!system.world.asleep[root]) return;
       system.world.asleep[root] = 0;
@@ -68,11 +68,12 @@ void StandingLoad::add(System& system, Data& data, double h) {
     if (!d.footing.on() || !d.footing.bearing.any()) continue;
     d.footing.bearing.advance(h);
     const double push = h * weight(system, d);
-    for_loads(system, d, [&](int body, Vec3 at, double share) {
+    for_loads(system, d, [&](size_t i, int body, double share) {
       if (!any) impulse_.assign(model.nv, 0);
       any = true;
       jointed |= system.articulations.jointed(body);
-      push_body(model, kin, body, at, {0, 0, -share * push}, impulse_.data());
+      push_body(model, kin, body, d.footing.bearing.points[i].at, {0, 0, -share * push},
+                impulse_.data());
     });
   }
   if (!any) return;
@@ -85,6 +86,18 @@ void StandingLoad::add(System& system, Data& data, double h) {
   }
   for (int i = 0; i < model.nv; i++) data.step.v_free[i] += impulse_[i];
   data.step.load = impulse_;
+}
+
+void StandingLoad::pressing(System& system, double h, std::vector<Pressing>& out) {
+  for (Drive& d : system.drives) {
+    if (!d.footing.on() || !d.footing.bearing.any()) continue;
+    d.footing.bearing.advance(h);
+    const double force = weight(system, d);
+    for_loads(system, d, [&](size_t i, int, double share) {
+      const BearingPoint& p = d.footing.bearing.points[i];
+      out.push_back({p.shape, d.footing.model->bearing_body(i), p.at, {0, 0, -share * force}});
+    });
+  }
 }
 
 void StandingLoad::end_frame(System& system, const FrameResult& result, double dt) {

@@ -23,6 +23,15 @@ class StandingLoad {
   void wake(System& system, Data& data) const;
   // Adds what the loads make of v* in a substep of length h, into step.v_free and step.load.
   void add(System& system, Data& data, double h);
+  // A time h passes: what people press with on movable things meanwhile, appended to `out`. For a
+  // world that another engine moves (hosting.h), which adds it to its forces itself.
+  struct Pressing {
+    int shape;   // of the thing
+    int person;  // the body of the person that presses
+    Vec3 at;
+    Vec3 force;  // on the thing [N]
+  };
+  static void pressing(System& system, double h, std::vector<Pressing>& out);
   // After a frame of length dt: what contacts have pressed with.
   static void end_frame(System& system, const FrameResult& result, double dt);
 

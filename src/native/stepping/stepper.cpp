@@ -104,11 +104,6 @@ void Stepper::substeps(double dt, int n, std::vector<double>* poses) {
   }
 }
 
-void Stepper::substep_hosted(int k, double h, const double* qpos, const double* qvel,
-                             const double* v_free, const double* damping) {
-  hosting_.substep(system, data_, substep_, k, h, qpos, qvel, v_free, damping);
-}
-
 void Stepper::set_velocity(int body, const double* six) {
   const Model& model = system.model;
   if (body <= 0 || body >= model.nbody || model.dof_count[body] != 6)
@@ -169,6 +164,7 @@ void Stepper::load(const std::vector<double>& state) {
   snapshot().check(state);
   snapshot().load(state);
   data_.result.touches.clear();
+  data_.result.points.clear();
 }
 
 }  // namespace hp

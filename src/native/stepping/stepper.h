@@ -41,12 +41,16 @@ class Stepper {
   // One frame of length dt [s] in n substeps. `targets`: the people's qpos, one after the other.
   // With `poses`, the pose after every substep is appended to it.
   void frame(const double* targets, double dt, int n, std::vector<double>* poses = nullptr);
-  // Another engine's frame (hosting.h).
-  void begin_hosted(const double* targets, double dt) {
-    hosting_.begin(system, data_, aiming_, targets, dt);
+  // Another engine's frame of n timesteps of length h [s] (hosting.h).
+  void start_hosted(Host& host) { hosting_.start(system, data_, host); }
+  void show_hosted(Host& host) { Hosting::show(system, data_, host); }
+  std::vector<double> hosted_forces() const { return hosting_.forces().save(); }
+  void set_hosted_forces(const std::vector<double>& rows) { hosting_.forces().load(rows); }
+  void begin_hosted(Host& host, const double* targets, int n, double h, bool watched) {
+    hosting_.begin(system, data_, aiming_, host, targets, n, h, watched);
   }
-  void substep_hosted(int k, double h, const double* qpos, const double* qvel, const double* v_free,
-                      const double* damping);
+  void before_hosted(int k) { hosting_.before(system, data_, k); }
+  void after_hosted(int k) { hosting_.after(system, data_, substep_, k); }
   void end_hosted() { hosting_.end(system, data_); }
   // The six velocities of an object, which wakes.
   void set_velocity(int body, const double* six);

@@ -1,4 +1,4 @@
-"""A person in a user's own MuJoCo world: `hp.attach`."""
+"""People in a user's own MuJoCo world, stepped by `Control`."""
 
 from __future__ import annotations
 
@@ -12,52 +12,8 @@ import halfphysics as hp
 from halfphysics.base import rotations as rot
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from support.as_it_is import as_it_is
+from support.mujoco_worlds import HEIGHT, WRIST, spec_of, t_pose
 from support.people import along_x
-
-#: Of the pelvis over the floor, the soles a centimetre off it; of the wrists over the pelvis [m].
-HEIGHT, WRIST = hp.Body.default().variant.standing_height + 0.01, 0.48
-
-#: A robot arm of two hinges on a stand, with position servos of limited force.
-ARM = """
-<mujoco>
-  <option timestep="0.002" integrator="implicitfast"/>
-  <worldbody>
-    <geom name="floor" type="plane" size="5 5 0.1"/>
-    <body name="base" pos="{x} {y} {z}">
-      <geom name="stand" type="cylinder" size="0.05 0.05" mass="5"
-        contype="{rub}" conaffinity="{rub}"/>
-      <body name="upper">
-        <joint name="yaw" axis="0 0 1" damping="2"/>
-        <geom name="upper" type="capsule" fromto="0 0 0 0 0.35 0" size="0.04" mass="3"/>
-        <body name="fore" pos="0 0.35 0">
-          <joint name="elbow" axis="0 0 1" damping="1"/>
-          <geom name="fore" type="capsule" fromto="0 0.1 0 0 0.35 0" size="0.035" mass="2"/>
-        </body>
-      </body>
-    </body>
-    {more}
-  </worldbody>
-  <actuator>
-    <position name="yaw" joint="yaw" kp="400" dampratio="1" forcerange="-{force} {force}"/>
-    <position name="elbow" joint="elbow" kp="200" dampratio="1" forcerange="-{force} {force}"/>
-  </actuator>
-</mujoco>
-"""
-
-
-def spec_of(
-    x: float = 0.9, y: float = 0.0, force: float = 200.0, rub: int = 0, more: str = ""
-) -> mujoco.MjSpec:
-    text = ARM.format(x=x, y=y, z=HEIGHT + WRIST, force=force, rub=rub, more=more)
-    return mujoco.MjSpec.from_string(text)
-
-
-def t_pose() -> hp.Pose:
-    """Upright, facing -y, arms out along x."""
-    rotations = np.zeros((55, 3))
-    rotations[0] = (np.pi / 2.0, 0.0, 0.0)
-    joints = hp.Body.default().rest_joints
-    return hp.Pose(np.array([0.0, 0.0, HEIGHT]) - joints[0], rotations)
 
 
 def sweep(model: mujoco.MjModel, data: mujoco.MjData, step, seconds: float, to: float) -> list:
@@ -160,16 +116,19 @@ def test_momentum_is_balanced_at_any_frame_rate(fps):
     assert met > 0.5  # [N s]; the ball has 3
 
 
-def test_a_step_that_fails_leaves_the_timestep(monkeypatch):
+def test_a_step_that_fails_leaves_the_timestep():
     model, _, control, pose = thrown("parts")
     given = model.opt.timestep
 
     def fails(*_):
         raise RuntimeError("of the host")
 
-    monkeypatch.setattr(mujoco, "mj_step", fails)
-    with pytest.raises(RuntimeError, match="of the host"):
-        control.step(pose, dt=1.0 / 30.0)
+    mujoco.set_mjcb_control(fails)
+    try:
+        with pytest.raises(RuntimeError, match="of the host"):
+            control.step(pose, dt=1.0 / 30.0)
+    finally:
+        mujoco.set_mjcb_control(None)
     assert model.opt.timestep == given
 
 
@@ -374,20 +333,15 @@ def test_mistakes_say_what_was_expected():
             control.step(t_pose(), dt=wrong)
     with pytest.raises(InputError, match="expected one that get_state gave"):
         control.set_state(control.get_state()[:-8])
-    with pytest.raises(InputError, match="has no contact with itself yet"):
-        human.bind(model, mujoco.MjData(model), settings=hp.Settings(self_contact=True))
+    with pytest.raises(InputError, match="found nobody, expected people of different prefixes"):
+        hp.bind(model, mujoco.MjData(model), [])
+    with pytest.raises(InputError, match="found 2 poses, expected one per person: human"):
+        control.step([t_pose(), t_pose()])
+    with pytest.raises(InputError, match="found person 1, expected 0 to 0"):
+        control.set_stiffness(1.0, person=1)
     alone = spec_of().compile()
     with pytest.raises(InputError, match="no person with prefix"):
         human.bind(alone, mujoco.MjData(alone))
-
-
-def test_a_compiler_that_reweighs_the_person_is_refused():
-    spec = spec_of()
-    human = hp.attach(spec)
-    spec.compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
-    model = spec.compile()
-    with pytest.raises(InputError, match="inertiafromgeom"):
-        human.bind(model, mujoco.MjData(model))
 
 
 def test_a_mocap_body_that_collides_is_refused():

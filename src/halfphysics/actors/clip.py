@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.actors.inertia import Inertia, State
-from halfphysics.actors.turns import WORLD_FROM_REST, wrapped
+from halfphysics.actors.turns import WORLD_FROM_REST, heading_of, wrapped
 from halfphysics.base import rotations as rot
 from halfphysics.base.validation import number, vector
 from halfphysics.motion.motion import Motion
@@ -82,7 +82,7 @@ class Clip:
         self._roots, self._quats = roots, rot.continuous(rot.exp(rotations))
         self._fade = min(number(fade, "Clip: fade", least=0.0, unit="s"), 0.5 * motion.duration)
         self._last = len(roots) - 1
-        turn = wrapped(heading(self._quats[-1, 0]) - heading(self._quats[0, 0]))
+        turn = wrapped(heading_of(self._quats[-1, 0]) - heading_of(self._quats[0, 0]))
         self._round = Round(turn, roots[0], (roots[-1] - roots[0]) * [1.0, 1.0, 0.0])
         self._seam = self._made_seam(self._fade)
         self.reset()
@@ -172,17 +172,11 @@ class Round:
         )
 
 
-def heading(quat: Array) -> float:
-    """Direction that a pelvis (4,) faces, about z [rad]: its forward axis seen from above."""
-    x, y, _ = rot.rotate(quat, np.array([0.0, 0.0, 1.0]))
-    return math.atan2(y, x)
-
-
 def moved(
     roots: Array, rotations: Array, place: Array | None, facing: float | None
 ) -> tuple[Array, Array]:
     """A motion whose first frame is at a place (x, y) and faces a direction; None: as it is."""
-    turn = 0.0 if facing is None else facing - heading(rot.exp(rotations[0, 0]))
+    turn = 0.0 if facing is None else facing - heading_of(rot.exp(rotations[0, 0]))
     about = rot.exp([0.0, 0.0, turn])
     first = roots[0] * [1.0, 1.0, 0.0]
     at = first if place is None else np.array([place[0], place[1], 0.0])
@@ -198,7 +192,7 @@ def _mirrored(roots: Array, rotations: Array) -> tuple[Array, Array]:
     points left in the rest frame. That is the mirror image at the world's plane y = 0 of a person
     who faces +x; the plane is turned and moved to the person.
     """
-    facing, first = heading(rot.exp(rotations[0, 0])), roots[0].copy()
+    facing, first = heading_of(rot.exp(rotations[0, 0])), roots[0].copy()
     roots, rotations = moved(roots, rotations, np.zeros(2), 0.0)
     swapped = rotations[:, MIRRORED] * np.array([1.0, -1.0, -1.0])
     # Of the pelvis A W, with W from rest to facing +x, A is mirrored at y.

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from halfphysics.actors.actor import Actor
 from halfphysics.actors.clip import Clip
-from halfphysics.actors.seen import Seen
+from halfphysics.actors.person import Person
+from halfphysics.actors.seen import Other, Seen
+from halfphysics.actors.walk_to import Follow, TurnTo, WalkTo
 
-__all__ = ["Actor", "Clip", "Seen"]
+__all__ = ["Actor", "Clip", "Follow", "Other", "Person", "Seen", "TurnTo", "WalkTo"]

@@ -13,13 +13,39 @@ from halfphysics.motion.pose import Pose
 from halfphysics.motion.skeleton import JOINT_INDEX
 
 if TYPE_CHECKING:
+    from halfphysics.body.body import Body
     from halfphysics.simulation.core_rows import ContactRows
     from halfphysics.simulation.frame import Frame
+    from halfphysics.simulation.simulator import Simulator
 
 Array = NDArray[np.float64]
 Placed = tuple[Array, Array]
 
 _FEET = tuple(JOINT_INDEX[f"{side}_{n}"] for side in ("left", "right") for n in ("ankle", "foot"))
+
+
+@dataclass(frozen=True, eq=False)
+class Other:
+    """Another person.
+
+    Attributes:
+        pose: Its simulated pose.
+        body: Its body.
+    """
+
+    pose: Pose
+    body: Body
+
+    @property
+    def pelvis(self) -> Array:
+        """Position of its pelvis (3,) [m]."""
+        return pelvis_of(self.pose, self.body)
+
+
+def pelvis_of(pose: Pose, body: Body) -> Array:
+    """Position of the pelvis (3,) [m] of a body in a pose."""
+    at: Array = pose.axes @ body.rest_joints[0] + pose.translation
+    return at
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -29,7 +55,7 @@ class Seen:
     Attributes:
         time: Since the reset [s].
         pose: The person's own simulated pose; None: nobody simulates, the reference is the pose.
-        others: Name or index of every other person -> simulated pose.
+        others: Index of every other person -> its pose and body.
         objects: Name -> (position (3,) [m], quaternion (4,)).
         contacts: Contacts of the last frame; None: none are known.
         person: Index of the person in `contacts`.
@@ -38,33 +64,33 @@ class Seen:
 
     time: float = 0.0
     pose: Pose | None = None
-    others: Mapping[Any, Pose] = field(default_factory=dict)
+    others: Mapping[Any, Other] = field(default_factory=dict)
     objects: Mapping[str, Placed] = field(default_factory=dict)
     contacts: ContactRows | None = None
     person: int = 0
     names: Sequence[str] = ()
 
     @classmethod
-    def of(
-        cls, frame: Frame, person: int = 0, *, time: float = 0.0, names: Sequence[str] = ()
-    ) -> Seen:
-        """What one person sees of a frame of a `Simulator`.
+    def of(cls, sim: Simulator, frame: Frame, person: int = 0, *, time: float = 0.0) -> Seen:
+        """What one person sees of a frame.
 
         Args:
-            frame: As `reset` or `step` gave it.
+            sim: The simulator.
+            frame: As its `reset` or `step` gave it.
             person: Index of the person.
             time: Since the reset [s].
-            names: `Simulator.names`: without them touched items have no names.
         """
-        poses = frame.poses
+        both = zip(frame.poses, sim.bodies, strict=True)
+        people = {i: Other(pose, body) for i, (pose, body) in enumerate(both)}
+        own = people.pop(person)
         return cls(
             time=time,
-            pose=poses[person],
-            others={i: pose for i, pose in enumerate(poses) if i != person},
+            pose=own.pose,
+            others=people,
             objects=frame.objects,
             contacts=frame.contacts,
             person=person,
-            names=names,
+            names=sim.names,
         )
 
     @property

@@ -37,6 +37,8 @@ Target: TypeAlias = "tuple[float, float, float] | str | int"
 
 # A head is this far above the pelvis [m], by the length of a leg.
 _HEAD = 0.72
+# A palm this near to its point is there [m].
+_REACHED = 0.01
 
 
 class Person:
@@ -192,8 +194,14 @@ class Person:
         return self._poise.palm(side)
 
     def reached(self, side: str) -> bool:
-        """Whether a hand has done its way to its point."""
-        return self._poise.reaches[side].there
+        """Whether a palm is at the point that its hand was brought to."""
+        reach = self._poise.reaches[side]
+        point = reach.point
+        return reach.there and point is not None and math.dist(point, self.palm(side)) < _REACHED
+
+    def lacks(self, side: str, point: Vec) -> float:
+        """What a stretched arm lacks to a point without leaning any farther [m]."""
+        return self._poise.lacks(side, point)
 
     def turned_from(self, heading: float) -> float:
         """How far it would have to turn to the left to face a direction [rad]."""

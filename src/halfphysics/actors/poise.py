@@ -62,6 +62,12 @@ class Poise:
         """Where a palm was in the last pose [m]."""
         return self._palms[SIDES.index(side)]
 
+    def lacks(self, side: str, point: Vec) -> float:
+        """What a stretched arm lacks to a point without leaning any farther [m]."""
+        _, shoulder = self._figure.shoulder(side, self.chest, self._arms[side].collar)
+        length = self._figure.arms[side].length + 0.9 * self.reaches[side].hand
+        return math.dist(shoulder, point) - length
+
     def advance(self, dt: float, stand: Stand, at: Vec | None, ahead: float) -> None:
         """Go on by `dt` [s].
 
@@ -86,7 +92,7 @@ class Poise:
                 continue
             _, shoulder = self._figure.shoulder(side, self.chest, self._arms[side].collar)
             length = self._figure.arms[side].length + 0.9 * reach.hand
-            lacks = math.dist(shoulder, reach.point) - length
+            lacks = self.lacks(side, reach.point)
             needs.append((lacks, (length, shoulder, reach.point, SIGN[side], stand.yaw)))
         return max(needs, key=lambda need: need[0])[1] if needs else None
 

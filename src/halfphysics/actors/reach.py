@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from halfphysics.actors.limbs import vec
 from halfphysics.actors.turns import (
     Quat,
     Vec,
-    dot,
+    about_x,
     frame,
     from_swing_twist,
     multiply,
@@ -32,14 +32,39 @@ if TYPE_CHECKING:
 
 #: How a hand comes: its palm towards the other hand, down or up.
 PALMS = ("in", "down", "up")
-# Direction of the elbow from the line to the hand, in the chest's frame: out, up, ahead. What
-# leaves the joints the most room is taken.
-_POLES: tuple[Vec, ...] = (
+# Direction of the elbow from the line to the hand, in the chest's frame: out, up, ahead.
+_ELBOWS: tuple[Vec, ...] = (
     (0.35, -1.0, -0.3),
     (0.8, -0.8, -0.2),
     (0.1, -1.0, 0.0),
     (1.0, -0.2, -0.4),
     (0.5, -0.6, -0.9),
+)
+
+
+class _Manner(NamedTuple):
+    """How an arm reaches; what leaves its joints the most room is taken, once a reach.
+
+    Attributes:
+        elbow: Of `_ELBOWS`.
+        roll: Of the hand about its fingers, from where it is to face [rad].
+        level: How much nearer to the horizontal the fingers are than the way to the point, 0 to 1.
+        steep: Whether the palm also faces back, as it does on the way straight down.
+        cost: What makes others better in case of doubt.
+    """
+
+    elbow: Vec
+    roll: float
+    level: float
+    steep: bool
+    cost: float
+
+
+_MANNERS = tuple(
+    _Manner(elbow, roll, level, steep, 0.002 * i + (0.05 if steep else 0.0) + 0.02 * level)
+    for i, elbow in enumerate(_ELBOWS)
+    for roll in (0.0, 0.5, -0.5, 1.1, -1.1)
+    for level, steep in ((0.3, False), (0.0, False), (0.75, False), (0.3, True))
 )
 # Joints end this far within their ranges [rad].
 _WITHIN = 0.01
@@ -97,7 +122,7 @@ class Reach:
         self.point: Vec | None = None
         self.facing = "in"
         self._at: tuple[Spring, Spring, Spring] | None = None
-        self._pole: Vec | None = None
+        self._manner: _Manner | None = None
 
     @property
     def there(self) -> bool:
@@ -120,7 +145,7 @@ class Reach:
         if self.point is None or self.share.goal == 0.0:
             self.share.to(1.0, max(_LEAST, way / _SPEED))
             self.curl.to(OPEN, 0.5)
-            self._pole = None
+            self._manner = None
         if self._at is None:
             self._at = tuple(Spring(_FOLLOW, x) for x in point)  # type: ignore[assignment]
         self.point, self.facing = point, facing
@@ -152,9 +177,11 @@ class Reach:
         if share <= 0.0 or at is None:
             return swinging
         goal = (at[0].value, at[1].value, at[2].value)
-        if self._pole is None:
-            self._pole = min(_POLES, key=lambda p: self._solved(chest, swinging, goal, p)[1])
-        angles, _ = self._solved(chest, swinging, goal, self._pole)
+        if self._manner is None:
+            self._manner = min(
+                _MANNERS, key=lambda manner: self._solved(chest, swinging, goal, manner, 2)[1]
+            )
+        angles, _ = self._solved(chest, swinging, goal, self._manner, 4)
         joints = []
         for now, then, held in zip(swinging[1:], angles, self._ranges, strict=True):
             first = held.angles(now)
@@ -164,35 +191,54 @@ class Reach:
         return ArmTurns(swinging.collar, *joints)
 
     def _solved(
-        self, chest: Chest, swinging: ArmTurns, goal: Vec, pole: Vec
+        self, chest: Chest, swinging: ArmTurns, goal: Vec, manner: _Manner, tries: int
     ) -> tuple[list[Vec], float]:
-        """Angles of shoulder, elbow and wrist, and how far beyond their ranges they would be."""
-        collar, shoulder = self._figure.shoulder(self.side, chest, swinging.collar)
-        hand = self._hand(chest, shoulder, goal)
-        wrist = plus(goal, rotate(hand, self.palm), -1.0)
-        out = rotate(chest.turn, (self._left * pole[0], pole[1], pole[2]))
-        angles, worst = [], 0.0
-        solved = self._bones.solve(collar, shoulder, wrist, hand, out)
-        for turn, held in zip(solved, self._ranges, strict=True):
-            kept, beyond = held.kept(held.angles(turn))
-            angles.append(kept)
-            worst += beyond
-        return angles, worst
+        """Angles of shoulder, elbow and wrist within their ranges, and how bad they are.
 
-    def _hand(self, chest: Chest, shoulder: Vec, goal: Vec) -> Quat:
+        Where a range stops the hand, the hand is taken as it is then and its palm is brought to the
+        goal, `tries` times.
+        """
+        collar, shoulder = self._figure.shoulder(self.side, chest, swinging.collar)
+        hand = self._hand(chest, shoulder, goal, manner)
+        x, y, z = manner.elbow
+        out = rotate(chest.turn, (self._left * x, y, z))
+        angles: list[Vec] = []
+        for left in range(tries - 1, -1, -1):
+            wrist = plus(goal, rotate(hand, self.palm), -1.0)
+            solved = self._bones.solve(collar, shoulder, wrist, hand, out)
+            angles, beyond = [], 0.0
+            for turn, held in zip(solved, self._ranges, strict=True):
+                kept, more = held.kept(held.angles(turn))
+                angles.append(kept)
+                beyond += more
+            if beyond < 1e-9 or not left:
+                return angles, beyond + 0.1 * abs(manner.roll) + manner.cost
+            turns = (
+                from_swing_twist(kept, held.axes)
+                for kept, held in zip(angles, self._ranges, strict=True)
+            )
+            hand = collar
+            for turn in turns:
+                hand = multiply(hand, turn)
+        return angles, 0.0
+
+    def _hand(self, chest: Chest, shoulder: Vec, goal: Vec, manner: _Manner) -> Quat:
         """World rotation of the hand: fingers along the way, palm as it is to face."""
         along = unit(plus(goal, shoulder, -1.0))
         inward = rotate(chest.turn, (-self._left, 0.0, 0.0))
         up = (0.0, 0.0, 1.0)
-        along = unit(plus(along, up, -0.35 * along[2]))  # wrists bend rather than point at it
-        face = {
-            "in": plus(inward, up, -0.35),
-            "down": plus(times(up, -1.0), inward, 0.35),
-            "up": plus(up, inward, 0.35),
-        }[self.facing]
-        if abs(dot(unit(face), along)) > 0.95:
-            face = rotate(chest.turn, (0.0, -0.3, -1.0))
-        return frame(times(along, self._left), times(face, -1.0))
+        # Wrists bend rather than point at what is high or low.
+        along = unit(plus(along, up, -manner.level * along[2]))
+        if self.facing == "in":
+            face = plus(inward, up, -0.35)
+        elif self.facing == "down":
+            face = plus(times(up, -1.0), inward, 0.35)
+        else:
+            face = plus(up, inward, 0.35)
+        if manner.steep:
+            face = plus(face, rotate(chest.turn, (0.0, 0.0, -1.0)))
+        hand = frame(times(along, self._left), times(face, -1.0))
+        return multiply(hand, about_x(manner.roll))
 
     def palm_at(self, chest: Chest, arm: ArmTurns) -> Vec:
         """Where the palm is, world [m]."""

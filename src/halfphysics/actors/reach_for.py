@@ -18,9 +18,13 @@ if TYPE_CHECKING:
     from halfphysics.actors.seen import Seen
 
 HANDS = ("left", "right")
-# Farther from a point than this the person walks there first [m], by the length of a leg; and then
-# stands so far from it, with the point so far to the side of its hand [m].
-_FAR, _NEAR, _ASIDE = 0.85, 0.56, 0.12
+# Who lacks more than this to a point walks there first [m]; and then stands so far from it, by the
+# length of a leg, with the point so far to the side of its hand [m].
+_FAR, _NEAR, _ASIDE = 0.14, 0.54, 0.12
+# Who does not come to it in this time [s] steps nearer, to these distances by the length of a leg.
+_TRY, _NEARER = 2.2, (0.44, 0.34)
+# A point that is not reached then in this time is given up [s].
+_PATIENCE = 4.0
 # Speed of that walk [m/s].
 _SPEED = 1.0
 # Something is in a hand that is nearer than this, and out of it beyond that [m].
@@ -55,6 +59,8 @@ def checked_hand(hand: object, what: str) -> str:
 @dataclass(frozen=True)
 class ReachFor:
     """Bring a palm to a point; walk there first if it is far, lean and bend the knees as needed.
+
+    What no arm reaches from there is given up after some seconds.
 
     Attributes:
         target: A point (3,) [m], an object's name, or a person's index.
@@ -92,24 +98,29 @@ class Reaching:
     def __init__(self, goal: ReachFor) -> None:
         self._goal = goal
         self._walks: bool | None = None
-        self._held = 0.0
+        self._held, self._tried, self._nearer = 0.0, 0.0, 0
 
     def go_on(self, me: Person) -> bool:
         goal = self._goal
         at = me.point_of(goal.target)
         me.look(goal.target)
         if self._walks is None:
-            self._walks = math.dist(at[:2], me.place) > _FAR * me.leg
+            self._walks = me.lacks(goal.hand, at) > _FAR
             if self._walks:
-                approach(me, at, goal.hand)
+                approach(me, at, goal.hand, _NEAR * me.leg)
         if not me.arrived:
             return False
         me.reach(goal.hand, at, goal.palm)
+        self._tried += me.dt
         if me.reached(goal.hand):
             if goal.close:
                 me.close_hand(goal.hand)
             self._held += me.dt
-        return self._held > goal.hold
+        elif self._tried > _TRY and self._nearer < len(_NEARER):
+            # It lacks a little: a step nearer.
+            approach(me, at, goal.hand, _NEARER[self._nearer] * me.leg)
+            self._nearer, self._tried = self._nearer + 1, 0.0
+        return self._held > goal.hold or self._tried > goal.hold + _PATIENCE
 
     def end(self, me: Person) -> None:
         me.look(None)
@@ -117,11 +128,11 @@ class Reaching:
         me.stop()
 
 
-def approach(me: Person, at: Vec, hand: str) -> None:
-    """Walk to where a hand is comfortable at a point."""
+def approach(me: Person, at: Vec, hand: str, ahead: float) -> None:
+    """Walk to where a hand is comfortable at a point, that far ahead [m]."""
     facing = math.atan2(at[1] - me.place.y, at[0] - me.place.x)
     side = -1.0 if hand == "left" else 1.0
-    ahead, aside = _NEAR * me.leg, side * _ASIDE
+    aside = side * _ASIDE
     c, s = math.cos(facing), math.sin(facing)
     to = Point(at[0] - ahead * c - aside * s, at[1] - ahead * s + aside * c)
     me.walk(to, facing, _SPEED)

@@ -2,7 +2,7 @@
 
 An `Actor` gives the reference of one person frame by frame, by what it sees. `Clip` plays a motion,
 `Person` acts by goals: `WalkTo`, `TurnTo`, `Follow`, `ReachFor`, `HandOver`, `LookAt`, `SitOn`,
-`StandUp` and `Wait`.
+`StandUp` and `Wait`. `play` lets them act in a scene.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from halfphysics.actors.actor import Actor
 from halfphysics.actors.clip import Clip
 from halfphysics.actors.look_at import LookAt, Wait
 from halfphysics.actors.person import Person
+from halfphysics.actors.play import play
 from halfphysics.actors.reach_for import HandOver, ReachFor
 from halfphysics.actors.seen import Other, Seen
 from halfphysics.actors.sit_on import SitOn, StandUp
@@ -31,4 +32,5 @@ __all__ = [
     "TurnTo",
     "Wait",
     "WalkTo",
+    "play",
 ]

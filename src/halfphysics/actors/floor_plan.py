@@ -51,12 +51,12 @@ class FloorPlan:
             name: surface_points(*item.true_shape.triangles()) for name, item in objects.items()
         }
 
-    def moving(self, seen: Seen, extra: Iterable[Array] = ()) -> Array:
+    def moving(self, seen: Seen, people: Iterable[Array] = ()) -> Array:
         """Points (m, 2) of what may be elsewhere by now.
 
         Args:
-            seen: Objects and people as they are.
-            extra: More places that somebody stands at, (x, y) [m].
+            seen: Objects as they are.
+            people: Places that somebody stands at, (x, y) [m].
         """
         objects: Mapping[str, Placed] = seen.objects
         found = [
@@ -64,8 +64,7 @@ class FloorPlan:
             for name, points in self._objects.items()
             if name in objects
         ]
-        people = [other.pelvis[:2] for other in seen.others.values()]
-        circles = [np.asarray(at) + _PERSON * _CIRCLE for at in (*people, *extra)]
+        circles = [np.asarray(at) + _PERSON * _CIRCLE for at in people]
         return np.concatenate([_in_the_way(found), *circles])
 
     def clearance(self, places: Array, moving: Array) -> Array:

@@ -29,17 +29,21 @@ Array = NDArray[np.float64]
 
 #: A person this far behind its reference [m] that comes on at less than this share of its speed
 #: for this long [s] is blocked.
-BEHIND, SLOW, PATIENCE = 0.08, 0.35, 0.4
+BEHIND, SLOW, PATIENCE = 0.05, 0.35, 0.5
+#: From `BEHIND` to this far behind [m] the reference slows down until it waits for its body.
+WAITS = 0.2
 #: A standing person this far from its reference [m] takes a step.
 PUSHED = 0.10
 # How long it waits before it goes round [s], before it tries again, and before it comes back.
 _WAIT, _AGAIN, _SETTLE = 0.9, 2.0, 0.7
 # It comes back from this far [m].
 _HOME = 0.02
-# What it touched is this far around the contact [m], and is remembered so long [s].
-_AROUND, _REMEMBERED = 0.25, 12.0
-# People this near to the way ahead make it look for another one; so far it looks [m].
-_PEOPLE, _AHEAD = 0.55, 1.6
+# What it touched is thought to be this far around the contact [m], farther each time, and is
+# remembered so long [s].
+_AROUND, _REMEMBERED = 0.2, 12.0
+# People this near to the way ahead make it look for another one; so far it looks [m]. It passes
+# them on the right: they are taken to be this far to the left [m].
+_PEOPLE, _AHEAD, _LEFT = 0.5, 3.2, 0.25
 
 
 class Way:
@@ -62,7 +66,8 @@ class Way:
         self._home = self._walker.centre
         self._held, self._wait, self._calm = 0.0, 0.0, 0.0
         self._met: list[tuple[Array, float]] = []
-        self._last: tuple[Array, float] | None = None
+        self._last: Array | None = None
+        self._slowed = 1.0
         #: How often it was blocked on the way to its goal.
         self.blocked = 0
 
@@ -119,7 +124,7 @@ class Way:
         """
         self._notice(dt, seen, body, offset)
         walker = self._walker
-        if walker.advance(dt):
+        if walker.advance(dt * self._slowed):
             walker.land()
         if walker.stepping or not free:
             return
@@ -161,7 +166,7 @@ class Way:
 
     def _to(self, place: Point, yaw: float) -> None:
         centre = self._walker.centre
-        self._aim = Aim(Path([Point(centre.x, centre.y), place]), yaw, 1.0, quick=True)
+        self._aim = Aim(Path([Point(centre.x, centre.y), place]), yaw, 1.0, catching=True)
         self._catching = True
 
     # -- Noticing
@@ -170,7 +175,8 @@ class Way:
         self._wait = max(0.0, self._wait - dt)
         self._calm += dt
         self._met = [(at, left - dt) for at, left in self._met if left > dt]
-        last, self._last = self._last, (body, seen.time)
+        last, self._last = self._last, body
+        self._slowed = 1.0
         if self._aim is None or self._catching or last is None or not self._walker.stepping:
             self._held = 0.0
             return
@@ -179,22 +185,27 @@ class Way:
         if wanted < 0.1:
             return
         way = np.array(speed) / wanted
-        came = float((body - last[0]) @ way) / dt
-        if float(offset @ way) < -BEHIND and came < SLOW * wanted:
+        behind = -float(offset @ way)
+        came = float((body - last) @ way) / dt
+        if behind > BEHIND and came < SLOW * wanted:
             self._held += dt
         else:
             self._held = max(0.0, self._held - 2.0 * dt)
+        self._slowed = min(max((WAITS - behind) / (WAITS - BEHIND), 0.0), 1.0)
         if self._held > PATIENCE:
             self._is_blocked(seen, body, way)
 
     def _is_blocked(self, seen: Seen, body: Array, way: Array) -> None:
-        self._held, self._aim = 0.0, None
+        self._held, self._aim, self._slowed = 0.0, None, 1.0
         self.blocked += 1
         self._wait = _WAIT if self.blocked < 3 else _AGAIN
         touched = seen.touched_at
         places = touched[:, :2] if len(touched) else (body + 0.35 * way)[None]
-        for at in places[:8]:
-            self._met.append((at + _AROUND * way, _REMEMBERED))
+        around = _AROUND * self.blocked
+        side = np.array([-way[1], way[0]])
+        for at in places[:4]:
+            for across in (-around, 0.0, around):
+                self._met.append((at + _AROUND * way + across * side, _REMEMBERED))
 
     def _look_ahead(self, seen: Seen) -> None:
         """Find the way, or another one where people are in it."""
@@ -204,12 +215,20 @@ class Way:
         here = Point(centre.x, centre.y)
         if self._aim is not None and not self._people_ahead(seen, self._aim.path, here):
             return
-        moving = self._plan.moving(seen, [at for at, _ in self._met])
+        people = [self._passed(other.pelvis[:2], here) for other in seen.others.values()]
+        moving = self._plan.moving(seen, [*people, *(at for at, _ in self._met)])
         path = route(self._plan, here, to, moving)
         if path is None:
             self._aim, self._wait = None, _AGAIN
             return
         self._aim = Aim(path, heading, speed)
+
+    @staticmethod
+    def _passed(at: Array, here: Point) -> Array:
+        """Where somebody is taken to be: a little to the left, so that both pass on the right."""
+        way = at - np.array(here)
+        far = float(np.hypot(*way))
+        return at + _LEFT / max(far, _LEFT) * np.array([-way[1], way[0]])
 
     def _people_ahead(self, seen: Seen, path: Path, here: Point) -> bool:
         """Whether somebody stands on the way ahead."""

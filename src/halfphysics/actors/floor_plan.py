@@ -22,7 +22,7 @@ SPACING = 0.06
 # Heights between which a surface is in the way [m].
 _LOW, _HIGH = 0.04, 1.9
 # A person who stands in the way is as wide as this [m].
-_PERSON = 0.2
+_PERSON = 0.3
 _ROUND = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
 _CIRCLE = np.stack([np.cos(_ROUND), np.sin(_ROUND)], axis=1)
 

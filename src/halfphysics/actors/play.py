@@ -13,6 +13,7 @@ from halfphysics.actors.seen import Seen
 from halfphysics.base.validation import number, shown
 from halfphysics.errors import InputError
 from halfphysics.motion.motion import MODELS, Motion
+from halfphysics.settings import Settings
 from halfphysics.simulation.recorded_result import recorded_result
 from halfphysics.simulation.recording import Recorder, core_firmness
 from halfphysics.simulation.simulator import Simulator
@@ -22,9 +23,12 @@ if TYPE_CHECKING:
     from halfphysics.motion.pose import Pose
     from halfphysics.results.result import Result
     from halfphysics.scene.scene import Scene
-    from halfphysics.settings import Settings
 
 Array = NDArray[np.float64]
+
+#: The default settings, but for who waits where somebody is blocked: an actor sees that it is
+#: blocked and waits itself. If the simulator did as well, it would do late what the actor wants.
+SETTINGS = Settings(blocked="continue")
 
 
 class _Recorded(Simulator):
@@ -81,7 +85,7 @@ def play(
         body: Their bodies, as for `halfphysics.Simulator`; None: those that actors say they have
             (as a `Person` does), else the default body.
         fps: Frames per second.
-        settings: As for `halfphysics.simulate`.
+        settings: As for `halfphysics.simulate`; None: `SETTINGS`.
         seed: Of the first actor; the others have the next ones.
         each: Called before every frame with the simulator and the time [s]: to push objects.
 
@@ -97,7 +101,7 @@ def play(
     number(seconds, "play: seconds", above=0.0, unit="s")
     if body is None:
         body = _bodies(cast)
-    sim = _Recorded(scene, body=body, settings=settings, fps=fps)
+    sim = _Recorded(scene, body=body, settings=settings or SETTINGS, fps=fps)
     count = max(2, int(round(seconds * fps)) + 1)
     poses = [[actor.reset(seed + i) for i, actor in enumerate(cast)]]
     frame = sim.start(poses[0], count)

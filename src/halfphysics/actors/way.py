@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.actors.foot import Foothold
+from halfphysics.actors.passersby import Passersby
 from halfphysics.actors.path import Path, Point
 from halfphysics.actors.route import route
 from halfphysics.actors.steps import Aim, Next, next_step, stopping
@@ -36,14 +37,13 @@ WAITS = 0.2
 PUSHED = 0.10
 # How long it waits before it goes round [s], before it tries again, and before it comes back.
 _WAIT, _AGAIN, _SETTLE = 0.9, 2.0, 0.7
+# Who is blocked steps back from where its body is [m].
+_BACK = 0.35
 # It comes back from this far [m].
 _HOME = 0.02
 # What it touched is thought to be this far around the contact [m], farther each time, and is
 # remembered so long [s].
 _AROUND, _REMEMBERED = 0.2, 12.0
-# People this near to the way ahead make it look for another one; so far it looks [m]. It passes
-# them on the right: they are taken to be this far to the left [m].
-_PEOPLE, _AHEAD, _LEFT = 0.5, 3.2, 0.25
 
 
 class Way:
@@ -68,6 +68,8 @@ class Way:
         self._met: list[tuple[Array, float]] = []
         self._last: Array | None = None
         self._slowed = 1.0
+        self._others = Passersby()
+        self._retreat: Array | None = None
         #: How often it was blocked on the way to its goal.
         self.blocked = 0
 
@@ -104,7 +106,7 @@ class Way:
     def go(self, to: Point, heading: float | None, speed: float) -> None:
         """Go to a place, from the next step on."""
         self._goal, self._aim = (to, heading, speed), None
-        self._catching, self._wait, self.blocked = False, 0.0, 0
+        self._catching, self._wait, self.blocked, self._retreat = False, 0.0, 0, None
 
     def stop(self) -> None:
         """Stand as soon as feet allow."""
@@ -155,8 +157,10 @@ class Way:
     def _stand(self, offset: Array) -> None:
         """What a person does who stands and is to go nowhere now."""
         centre, home = self._walker.centre, self._home
-        away = math.hypot(*offset)
-        if away > PUSHED:
+        if self._retreat is not None:
+            (x, y), self._retreat = self._retreat, None
+            self._to(Point(float(x), float(y)), centre.yaw)
+        elif math.hypot(*offset) > PUSHED:
             self._calm = 0.0
             self._to(Point(centre.x + float(offset[0]), centre.y + float(offset[1])), centre.yaw)
         elif self._goal is None and self._calm > _SETTLE:
@@ -174,6 +178,7 @@ class Way:
     def _notice(self, dt: float, seen: Seen, body: Array, offset: Array) -> None:
         self._wait = max(0.0, self._wait - dt)
         self._calm += dt
+        self._others.notice(dt, seen)
         self._met = [(at, left - dt) for at, left in self._met if left > dt]
         last, self._last = self._last, body
         self._slowed = 1.0
@@ -197,6 +202,7 @@ class Way:
 
     def _is_blocked(self, seen: Seen, body: Array, way: Array) -> None:
         self._held, self._aim, self._slowed = 0.0, None, 1.0
+        self._retreat = body - _BACK * way
         self.blocked += 1
         self._wait = _WAIT if self.blocked < 3 else _AGAIN
         touched = seen.touched_at
@@ -213,33 +219,15 @@ class Way:
         to, heading, speed = self._goal
         centre = self._walker.centre
         here = Point(centre.x, centre.y)
-        if self._aim is not None and not self._people_ahead(seen, self._aim.path, here):
+        if self._aim is not None and not self._others.in_the_way(self._aim.path, here):
             return
-        people = [self._passed(other.pelvis[:2], here) for other in seen.others.values()]
-        moving = self._plan.moving(seen, [*people, *(at for at, _ in self._met)])
+        met = (at for at, _ in self._met)
+        moving = self._plan.moving(seen, [*self._others.places(here), *met])
         path = route(self._plan, here, to, moving)
         if path is None:
             self._aim, self._wait = None, _AGAIN
             return
         self._aim = Aim(path, heading, speed)
-
-    @staticmethod
-    def _passed(at: Array, here: Point) -> Array:
-        """Where somebody is taken to be: a little to the left, so that both pass on the right."""
-        way = at - np.array(here)
-        far = float(np.hypot(*way))
-        return at + _LEFT / max(far, _LEFT) * np.array([-way[1], way[0]])
-
-    def _people_ahead(self, seen: Seen, path: Path, here: Point) -> bool:
-        """Whether somebody stands on the way ahead."""
-        if not seen.others:
-            return False
-        at = path.nearest(*here)
-        ahead = [path.at(at + d) for d in np.arange(0.4, _AHEAD, 0.3)]
-        return any(
-            min(math.dist(other.pelvis[:2], place) for place in ahead) < _PEOPLE
-            for other in seen.others.values()
-        )
 
     @property
     def home(self) -> Foothold:

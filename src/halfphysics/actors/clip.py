@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -19,6 +20,7 @@ from halfphysics.actors.turns import (
     heading_of,
     log,
     multiply,
+    rotate,
     wrapped,
 )
 from halfphysics.base import rotations as rot
@@ -139,7 +141,7 @@ class Clip:
         if self._place is not None:
             first, extra = self._place
             flat = self._roots[0] * [1.0, 1.0, 0.0]
-            root = first + rot.rotate(extra, root - flat)
+            root = first + np.array(rotate(extra, vec(root - flat)))
             turn = multiply(extra, turn)
         if rounds or self._place is not None:
             turns[0] = log(multiply(turn, exp(vec(turns[0]))))
@@ -182,10 +184,13 @@ class Round:
 
     def after(self, rounds: int, root: Array) -> Array:
         """A position of the first round (3,), as many rounds later."""
-        at = self.start.copy()
-        for k in range(rounds):
-            at += rot.rotate(rot.exp([0.0, 0.0, k * self.turn]), self.way)
-        return at + rot.rotate(rot.exp([0.0, 0.0, rounds * self.turn]), root - self.start)
+        once = cmath.exp(1j * self.turn)
+        turned = once**rounds
+        # The ways of all rounds, each turned by those before it, are a geometric series.
+        ways = rounds if abs(once - 1.0) < 1e-9 else (1.0 - turned) / (1.0 - once)
+        x, y, z = root - self.start
+        there = ways * complex(*self.way[:2]) + turned * complex(x, y)
+        return self.start + np.array([there.real, there.imag, z])
 
     def before(self, root: Array) -> Array:
         """A position (3,), one round earlier."""

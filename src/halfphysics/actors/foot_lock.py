@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.actors.glides import Glide
 from halfphysics.actors.limbs import LegBones, vec
 from halfphysics.actors.turns import (
     Quat,
@@ -40,8 +41,10 @@ Array = NDArray[np.float64]
 # A toe joint stands that is slower than this [m/s] and not this far above its lowest [m]; one that
 # stands goes on up to twice the speed.
 _SLOW, _LOW = 0.35, 0.035
-# Time constant with which a lock fades [s], and the farthest that it holds a foot off [m].
-_FADE, _FAR = 0.08, 0.25
+# Time in which what a lock has added fades [s], and the farthest that it holds a foot off [m].
+_FADE, _FAR = 0.3, 0.25
+# Beyond this share of its length a leg stays behind: a straight knee snaps.
+_STRETCHED = 0.975
 
 
 class Leg:
@@ -62,6 +65,12 @@ class Leg:
         self.ankle = plus(self.knee, rotate(self.knee_turn, self._shank))
         self.toe = plus(self.ankle, rotate(self.foot_turn, self.bones.toe))
 
+    def _reached(self, wanted: float, own: float) -> float:
+        """A distance of the ankle from the hip [m]: who nearly stretches the leg stays behind."""
+        easy = max(_STRETCHED * self.bones.length, own)
+        rest = max(self.bones.length - easy, 1e-4)
+        return wanted if wanted < easy else easy + rest * (1.0 - math.exp((easy - wanted) / rest))
+
     def moved(self, root: Quat, by: Vec) -> list[Vec]:
         """Rotations of hip, knee and ankle that move the foot `by` [m], the foot as it was.
 
@@ -72,7 +81,7 @@ class Leg:
         knee = plus(self.knee, self.hip, -1.0)
         new = plus(old, by)
         size = math.sqrt(dot(new, new))
-        distance = min(max(size, abs(a - b) + 1e-6), max(self.bones.length, math.hypot(*old)))
+        distance = max(self._reached(size, math.hypot(*old)), abs(a - b) + 1e-6)
         line = times(new, 1.0 / size)
         side = cross(knee, old)
         if dot(side, side) < 1e-8:
@@ -117,8 +126,9 @@ class FootLock:
     def begin(self) -> None:
         """Nothing is locked."""
         self._at: dict[str, Vec | None] = dict.fromkeys(SIDES)
-        self._offset: dict[str, Vec] = dict.fromkeys(SIDES, (0.0, 0.0, 0.0))
+        self._offset = {side: (Glide(), Glide()) for side in SIDES}
         self._toes: dict[str, Vec] = {}
+        self._shown: dict[str, Vec] = {}
 
     def toes(self, pelvis: Vec, rotations: Array) -> dict[str, Vec]:
         """World positions of the toe joints in a pose [m].
@@ -135,43 +145,62 @@ class FootLock:
         return found
 
     def locked(
-        self, dt: float, source: dict[str, Vec], pelvis: Vec, rotations: Array
+        self,
+        dt: float,
+        source: dict[str, Vec],
+        shown: dict[str, Vec],
+        root: Vec,
+        rotations: Array,
     ) -> Array:
         """A pose (55, 3) with its standing feet where they are.
 
         Args:
             dt: Time since the last pose [s].
             source: The toe joints in the motion that is played, of which feet stand.
-            pelvis: Position of the pelvis joint in the pose, world [m].
-            rotations: Of the pose (55, 3).
+            shown: The toe joints in the pose: the last that `toes` was asked for.
+            root: Axis-angle of its pelvis.
+            rotations: Of all its joints (55, 3).
         """
-        shown = self.toes(pelvis, rotations)
-        root = exp(vec(rotations[0]))
+        turn = exp(root)
         out = np.array(rotations)
         for side, leg in self._legs.items():
             offset = self._held(side, dt, source[side], shown[side])
             if offset != (0.0, 0.0, 0.0):
-                out[list(leg.bones.joints[:3])] = leg.moved(root, offset)
-        self._toes = source
+                out[list(leg.bones.joints[:3])] = leg.moved(turn, offset)
+        self._toes, self._shown = source, shown
         return out
 
     def _held(self, side: str, dt: float, toe: Vec, shown: Vec) -> Vec:
         """What is added to the place of a foot [m]."""
-        before = self._toes.get(side, toe)
-        speed = math.dist(toe[:2], before[:2]) / dt
-        slow = _SLOW if self._at[side] is None else 2.0 * _SLOW
-        offset = self._offset[side]
-        if speed < slow and toe[2] < self._height[side] + _LOW:
-            at = self._at[side] or plus(shown, offset)
-            self._at[side] = at
-            offset = (at[0] - shown[0], at[1] - shown[1], 0.0)
-            if math.hypot(*offset) > _FAR:
-                self._at[side] = None
-                offset = self._offset[side]
-        else:
+        x, y = self._offset[side]
+        at = self._at[side]
+        if self._stands(side, dt, toe, shown):
+            if at is None:
+                at = (shown[0] + x.value, shown[1] + y.value, 0.0)
+            for glide, held, now in zip((x, y), at, shown, strict=False):
+                glide.put(held - now, dt)
+            if not self._stretched(side, (x.value, y.value, 0.0)):
+                self._at[side] = at
+                return (x.value, y.value, 0.0)
+        if at is not None or (x.goal, y.goal) != (0.0, 0.0):
             self._at[side] = None
-            offset = times(offset, math.exp(-dt / _FADE))
-            if math.hypot(*offset) < 1e-4:
-                offset = (0.0, 0.0, 0.0)
-        self._offset[side] = offset
-        return offset
+            for glide in (x, y):
+                glide.to(0.0, _FADE)
+        return (x.advance(dt), y.advance(dt), 0.0)
+
+    def _stands(self, side: str, dt: float, toe: Vec, shown: Vec) -> bool:
+        """Whether a foot stands in the motion, and is not on its way in what is shown."""
+        slow = _SLOW if self._at[side] is None else 2.0 * _SLOW
+        speed = math.dist(toe[:2], self._toes.get(side, toe)[:2]) / dt
+        if speed > slow or toe[2] > self._height[side] + _LOW:
+            return False
+        own = math.dist(shown[:2], self._shown.get(side, shown)[:2]) / dt
+        return self._at[side] is not None or own < _SLOW
+
+    def _stretched(self, side: str, offset: Vec) -> bool:
+        """Whether a lock would stretch a leg, or is too far."""
+        leg = self._legs[side]
+        old = plus(leg.ankle, leg.hip, -1.0)
+        new = math.hypot(*plus(old, offset))
+        most = max(_STRETCHED * leg.bones.length, math.hypot(*old))
+        return new > most or math.hypot(*offset) > _FAR

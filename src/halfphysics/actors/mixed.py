@@ -67,8 +67,7 @@ class Mixed:
         self._since, self._wanted = 0.0, (self.name, 0.0)
         if self._lock is not None:
             self._lock.begin()
-        self._last = self._before = self._state(poses[self.name])
-        self._shown = poses[self.name]
+        self._shown = self._before = poses[self.name]
         return self._shown
 
     @property
@@ -100,29 +99,33 @@ class Mixed:
             first = self._state(self.actors[name].restart(self._shown))
             pose = self.actors[name].next(dt, seen)
             # As the last two frames went on.
-            going = self._last.on(self._before)
-            self._inertia = Inertia((self._last, going), (first, self._state(pose)), dt, fade)
+            last = self._state(self._shown)
+            going = last.on(self._state(self._before))
+            self._inertia = Inertia((last, going), (first, self._state(pose)), dt, fade)
             self.name, self._since = name, 0.0
         else:
             pose = self.current.next(dt, seen)
         self._since += dt
-        state = self._state(pose)
-        if self._inertia is not None:
-            state = self._inertia.at(self._since, state)
-            if self._since >= self._inertia.seconds:
-                self._inertia = None
-        self._shown = self._posed(dt, pose, state)
-        self._before, self._last = self._last, self._state(self._shown)
+        self._before, self._shown = self._shown, self._posed(dt, pose)
         return self._shown
 
     def _state(self, pose: Pose) -> State:
         return State(pelvis_of(pose, self.body), rot.exp(pose.rotations))
 
-    def _posed(self, dt: float, pose: Pose, state: State) -> Pose:
-        """The pose of a state, with its feet locked."""
-        rotations = pose.rotations if self._inertia is None else rot.log(state.quats)
-        if self._lock is not None:
-            source = self._lock.toes(vec(pelvis_of(pose, self.body)), pose.rotations)
-            rotations = self._lock.locked(dt, source, vec(state.root), rotations)
+    def _posed(self, dt: float, pose: Pose) -> Pose:
+        """A pose with what is left of the motion before, and its feet locked."""
+        root, rotations = pelvis_of(pose, self.body), pose.rotations
+        lock, inertia = self._lock, self._inertia
+        source = {} if lock is None else lock.toes(vec(root), rotations)
+        shown = source
+        if inertia is not None:
+            state = inertia.at(self._since, State(root, rot.exp(rotations)))
+            root, rotations = state.root, rot.log(state.quats)
+            if lock is not None:
+                shown = lock.toes(vec(root), rotations)
+            if self._since >= inertia.seconds:
+                self._inertia = None
+        if lock is not None:
+            rotations = lock.locked(dt, source, shown, vec(rotations[0]), rotations)
         offset = pose.axes @ np.asarray(self.body.rest_joints)[0]
-        return Pose.trusted(state.root - offset, np.array(rotations), np.array(pose.axes))
+        return Pose.trusted(root - offset, np.array(rotations), np.array(pose.axes))

@@ -13,7 +13,7 @@ from halfphysics.body.joint_ranges import JointRanges
 FPS = 30.0
 #: Accelerations of joints that people's motion has [m/s^2]: of the trunk, of hands, and of knees
 #: and feet, which swing and land in 0.1 s.
-TRUNK, HANDS, FEET = 25.0, 40.0, 60.0
+TRUNK, HANDS, FEET = 25.0, 40.0, 80.0
 
 
 @cache

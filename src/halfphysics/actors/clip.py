@@ -45,13 +45,17 @@ MIRRORED = np.array(
     ]
 )
 
+# A round that turns by less goes straight on [rad].
+_STRAIGHT = 0.21
+
 
 class Clip:
     """A motion, played.
 
     A loop goes on where it ended: each round begins at the place and heading at which the one
-    before ended. What does not fit is crossed over by `fade` seconds at the seam. At its end a
-    clip that is not looped rests at its last frame.
+    before ended; a turn of less than 12 degrees a round is the sway of a pelvis, and not a curve.
+    What does not fit fades within `fade` seconds of the seam (inertialisation). At its end a clip
+    that is not looped rests at its last frame.
 
     Args:
         motion: Any motion, z up.
@@ -61,7 +65,7 @@ class Clip:
         speed: 1 as recorded, 2 twice as fast; above 0.
         place: Where the pelvis is at the first frame, (x, y) [m]; None: as recorded.
         heading: Where it faces then, about z [rad], 0 along +x; None: as recorded.
-        fade: Over how long the begin of a round crosses over from the end of the one before [s].
+        fade: After how long nothing is left of the end of the round before [s].
 
     Raises:
         InputError: An impossible value.
@@ -95,6 +99,7 @@ class Clip:
         self._fade = min(number(fade, "Clip: fade", least=0.0, unit="s"), 0.5 * motion.duration)
         self._last = len(roots) - 1
         turn = wrapped(heading_of(self._quats[-1, 0]) - heading_of(self._quats[0, 0]))
+        turn = 0.0 if abs(turn) < _STRAIGHT else turn
         self._round = Round(turn, roots[0], (roots[-1] - roots[0]) * [1.0, 1.0, 0.0])
         self._seam = self._made_seam(self._fade)
         self._place: tuple[Array, Quat] | None = None

@@ -71,7 +71,9 @@ def test_a_loop_that_turns_goes_in_a_circle(walk):
     turned = np.array(walk.rotations)
     ends = [heading_of(rot.exp(turned[k, 0])) for k in (0, -1)]
     angles = np.linspace(0.0, 0.5 * math.pi + ends[0] - ends[1], len(walk))
-    root = rot.multiply(rot.exp(np.stack([0 * angles, 0 * angles, angles], 1)), rot.exp(turned[:, 0]))
+    root = rot.multiply(
+        rot.exp(np.stack([0 * angles, 0 * angles, angles], 1)), rot.exp(turned[:, 0])
+    )
     turned[:, 0] = rot.log(root)
     curve = walk.with_frames(np.array(walk.translation), turned)
     clip = Clip(curve, body(), loop=True, fade=0.0)

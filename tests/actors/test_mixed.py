@@ -82,16 +82,14 @@ def test_a_person_takes_over_on_the_feet_it_finds(walk):
 
 def test_inertia_starts_as_the_old_and_ends_as_the_new():
     rng = np.random.default_rng(0)
-    a, b = (
-        State(rng.normal(size=3), rot.exp(rng.normal(0, 0.3, (55, 3)))) for _ in range(2)
-    )
+    a, b = (State(rng.normal(size=3), rot.exp(rng.normal(0, 0.3, (55, 3)))) for _ in range(2))
     inertia = Inertia((a, a), (b, b), 0.1, 0.4)
     start = inertia.at(0.0, b)
     np.testing.assert_allclose(start.root, a.root, atol=1e-12)
     assert float(np.abs(np.sum(start.quats * a.quats, axis=1)).min()) > 1.0 - 1e-12
     assert inertia.at(0.4, b) is b
     # With rates: the first step goes on at the old speed.
-    later = State(a.root + [0.01, 0.0, 0.0], a.quats)
+    later = State(a.root + np.array([0.01, 0.0, 0.0]), a.quats)
     moving = Inertia((a, later), (b, b), 0.01, 0.4)
     np.testing.assert_allclose(
         (moving.at(1e-4, b).root - a.root) / 1e-4, [1.0, 0.0, 0.0], atol=0.01

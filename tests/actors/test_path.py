@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import pytest
 
@@ -33,4 +34,4 @@ def test_rounded_corners_stay_near():
     assert soft.end == CORNER.end
     assert CORNER.length - 0.3 < soft.length < CORNER.length
     turns = [soft.heading(0.01 * k) for k in range(int(soft.length / 0.01))]
-    assert max(abs(b - a) for a, b in zip(turns, turns[1:], strict=False)) < 0.5
+    assert max(abs(b - a) for a, b in pairwise(turns)) < 0.5

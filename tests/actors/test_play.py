@@ -51,7 +51,9 @@ def test_results_are_saved_and_have_bodies_of_their_own(tmp_path):
     assert result.people[1].body.stature == pytest.approx(1.55)
     result.save(tmp_path / "pair.npz")
     again = hp.Result.load(tmp_path / "pair.npz")
-    np.testing.assert_array_equal(again.people[1].motion.rotations, result.people[1].motion.rotations)
+    np.testing.assert_array_equal(
+        again.people[1].motion.rotations, result.people[1].motion.rotations
+    )
 
 
 def test_a_scene_that_changes_is_refused():

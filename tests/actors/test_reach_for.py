@@ -30,7 +30,9 @@ def nearest(person, side, point, most=400):
 def test_points_around_a_person_are_reached(k):
     point = tuple(POINTS[k].tolist())
     side, palm = ("left", "right")[k % 2], ("in", "down", "up")[k % 3]
-    near, motion = nearest(Person(body(), goals=[ReachFor(point, hand=side, palm=palm)]), side, point)
+    near, motion = nearest(
+        Person(body(), goals=[ReachFor(point, hand=side, palm=palm)]), side, point
+    )
     assert near < 0.02
     assert range_excess(motion) < 1e-9
     assert slide(motion).max() < 0.002
@@ -98,7 +100,7 @@ def test_taking_ends_with_the_thing_in_the_hand():
     for _ in range(60):
         person.next(1.0 / 30.0, cup_at((1.5, 0.0, 1.0)))
     assert not person.done
-    for _ in range(30):
+    for _ in range(60):
         pose = person.next(1.0 / 30.0, cup_at(person.palm("left")))
     assert person.done
     curl = np.linalg.norm(pose.rotations[hp.JOINT_NAMES.index("left_index1")])

@@ -26,9 +26,7 @@ def test_a_person_sees_itself_the_others_and_objects():
     assert seen.time == 0.5
     np.testing.assert_allclose(seen.pose.translation, poses[1].translation, atol=1e-12)
     assert set(seen.others) == {0}
-    np.testing.assert_allclose(
-        seen.others[0].pelvis, body().joints(poses[0])[0], atol=1e-12
-    )
+    np.testing.assert_allclose(seen.others[0].pelvis, body().joints(poses[0])[0], atol=1e-12)
     assert set(seen.objects) == {"ball"}
     assert (seen.push == 0.0).all()
     assert seen.touched == frozenset()

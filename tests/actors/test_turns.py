@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ VECTORS = [tuple(v) for v in RNG.normal(size=(40, 3)).tolist()]
 
 
 def test_they_equal_those_of_numpy():
-    for a, b in zip(VECTORS, VECTORS[1:], strict=False):
+    for a, b in pairwise(VECTORS):
         p, q = turns.exp(a), turns.exp(b)
         np.testing.assert_allclose(p, rot.exp(a), atol=1e-15)
         np.testing.assert_allclose(turns.multiply(p, q), rot.multiply(p, q), atol=1e-15)
@@ -44,7 +45,7 @@ def test_swing_and_twist_equal_those_of_ranges():
 
 
 def test_a_frame_has_the_axes_that_were_given():
-    for a, b in zip(VECTORS, VECTORS[1:], strict=False):
+    for a, b in pairwise(VECTORS):
         q = turns.frame(a, b)
         np.testing.assert_allclose(turns.rotate(q, (1.0, 0.0, 0.0)), turns.unit(a), atol=1e-12)
         assert turns.dot(turns.rotate(q, (0.0, 1.0, 0.0)), b) > 0.0

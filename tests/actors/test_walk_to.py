@@ -94,7 +94,7 @@ def test_following_keeps_the_distance():
     still = Person(body()).reset()
     for i in range(300):
         x = 2.0 + min(4.0, 0.8 * i / 30.0)
-        other = Other(hp.Pose(still.translation + [x, 0.5, 0.0], still.rotations), body())
+        other = Other(hp.Pose(still.translation + np.array([x, 0.5, 0.0]), still.rotations), body())
         person.next(1.0 / 30.0, Seen(others={1: other}))
     away = math.dist(person.place, (6.0 + 0.04, 0.5))
     assert 1.0 < away < 1.5

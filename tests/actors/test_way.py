@@ -1,4 +1,4 @@
-"""Reactions: who is blocked goes round, who is pushed steps and comes back, people pass each other."""
+"""Reactions: who is blocked goes round, who is pushed comes back, people pass each other."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ def test_passersby_are_expected_where_they_go():
     still = Person(body()).reset()
     others = Passersby()
     for k in range(30):
-        pose = hp.Pose(still.translation + [3.0, 2.0 - 0.04 * k, 0.0], still.rotations)
+        pose = hp.Pose(still.translation + np.array([3.0, 2.0 - 0.04 * k, 0.0]), still.rotations)
         others.notice(1.0 / 30.0, Seen(others={1: Other(pose, body())}))
     here = Point(0.0, 0.0)
     # It is at y = 0.84 and comes with 1.2 m/s: it will be on the way.

@@ -85,3 +85,13 @@ def test_first_steps_in_a_notebook(tmp_path, monkeypatch, capsys):
     assert names["before"].depth_max_mm > 10.0
     assert names["after"].depth_max_mm == 0.0
     assert (tmp_path / "result.glb").is_file()
+
+
+def test_people_who_react(capsys):
+    result = example("07_people_who_react.py")["main"]()
+    told = capsys.readouterr().out
+    assert told.count("done True") == 2
+    assert "person0 sits" in told
+    touched = {result.names[k] for k in np.unique(result.contacts.other)}
+    assert touched <= {"floor", "bench", "cup", "table"}, "nobody touches the pillar or each other"
+    assert "bench" in touched

@@ -21,13 +21,13 @@ def body() -> hp.Body:
     return hp.Body.default()
 
 
-def frames(actor, count, seen=hp.actors.Seen(), seed=0, each=None):
+def frames(actor, count, seed=0, each=None):
     """The first `count` frames of an actor as a motion; `each` is called with their number."""
     poses = [actor.reset(seed)]
     for i in range(count - 1):
         if each is not None:
             each(i)
-        poses.append(actor.next(1.0 / FPS, seen))
+        poses.append(actor.next(1.0 / FPS, hp.actors.Seen()))
     return as_motion(poses, actor.body if hasattr(actor, "body") else body(), FPS)
 
 

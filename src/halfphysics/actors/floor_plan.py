@@ -69,10 +69,10 @@ class FloorPlan:
 
     def clearance(self, places: Array, moving: Array) -> Array:
         """Distance of places (n, 2) from the nearest point in the way (n,) [m]."""
-        out = np.full(len(places), np.inf)
+        out: Array = np.full(len(places), np.inf)
         for tree in (self._tree, _tree(moving)):
             if tree is not None:
-                out = np.minimum(out, tree.query(places)[0])
+                out = np.minimum(out, np.asarray(tree.query(places)[0], dtype=np.float64))
         return out
 
 

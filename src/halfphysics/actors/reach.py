@@ -209,9 +209,9 @@ class Reach:
         for now, drawn, then, held in zip(
             swinging[1:], self._drawn, angles, self._ranges, strict=True
         ):
-            at = held.angles(now)
-            at = plus(at, plus(drawn, at, -1.0), ready)
-            joints.append(from_swing_twist(plus(at, plus(then, at, -1.0), there), held.axes))
+            own = held.angles(now)
+            own = plus(own, plus(drawn, own, -1.0), ready)
+            joints.append(from_swing_twist(plus(own, plus(then, own, -1.0), there), held.axes))
         return ArmTurns(swinging.collar, *joints)
 
     @staticmethod

@@ -16,7 +16,7 @@ NAMES = """
 JOINT_NAMES Body Box Capsule Cylinder HalfPhysicsError HalfPhysicsWarning Mesh Motion Plane Pose
 Result Scene Sequence Settings Simulator Sphere __version__ attach baselines clips compile_world
 connect errors export adapt fix judge load_sequence metrics progress scenarios serve simulate
-simulate_many support view bind step_worlds
+simulate_many support view bind step_worlds actors
 """
 
 SETTINGS = (

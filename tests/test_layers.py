@@ -49,6 +49,7 @@ LAYERS = {
         "errors base motion geometry body settings scene results simulation baselines formats "
         "__version__"
     ),
+    "actors": "errors base motion geometry body settings scene results simulation scenarios",
     "viewer": (
         "errors base motion geometry body settings scene results support simulation formats render "
         "labels scenarios live"

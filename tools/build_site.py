@@ -63,7 +63,7 @@ GIVEN = {
 CONTENTS = {
     "Start": ["install", "tutorials/index", "first-steps", "scenarios", "gallery", "limits"],
     "How to": [
-        *("viewer", "browser", "live", "protocols", "pictures", "python", "mujoco"),
+        *("viewer", "browser", "live", "protocols", "pictures", "python", "mujoco", "actors"),
         *("c-api", "fix", "holds", "labels", "sweeps"),
     ],
     "Look up": [

@@ -120,3 +120,13 @@ def test_ros2_messages(tmp_path):
     assert again == markers
     result.save(tmp_path / "result.npz")
     assert names["main"](tmp_path / "result.npz", tmp_path / "ros2") == 3 * len(result.motion)
+
+
+def test_people_who_react(capsys):
+    result = example("07_people_who_react.py")["main"]()
+    told = capsys.readouterr().out
+    assert told.count("done True") == 2
+    assert "person0 sits" in told
+    touched = {result.names[k] for k in np.unique(result.contacts.other)}
+    assert touched <= {"floor", "bench", "cup", "table"}, "nobody touches the pillar or each other"
+    assert "bench" in touched

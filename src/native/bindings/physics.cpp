@@ -29,4 +29,5 @@ void bind_physics(nb::module_& m) {
   bind_stepper_results(stepper);
   bind_probes(m, stepper);
   bind_batch(m);
+  bind_fleet(m);
 }

@@ -13,7 +13,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from halfphysics import baselines, errors, metrics, scenarios, support
+    from halfphysics import actors, baselines, errors, metrics, scenarios, support
     from halfphysics.adaptation.adapt import adapt
     from halfphysics.base.progress import progress
     from halfphysics.body.body import Body
@@ -58,6 +58,7 @@ __all__ = [
     "Simulator",
     "Sphere",
     "__version__",
+    "actors",
     "adapt",
     "attach",
     "baselines",
@@ -78,6 +79,7 @@ __all__ = [
 
 # Name -> module it comes from; None: the name is a module of this package.
 _FROM: dict[str, str | None] = {
+    "actors": None,
     "baselines": None,
     "errors": None,
     "metrics": None,

@@ -29,13 +29,13 @@ Array = NDArray[np.float64]
 
 #: Fraction of a step with both feet on the ground.
 DOUBLE = 0.24
-_HEEL_STRIKE = np.radians(20.0)
-_TOE_OFF = np.radians(55.0)
+HEEL_STRIKE = np.radians(20.0)
+TOE_OFF = np.radians(55.0)
 # Width of a stride divided by the distance between the hip joints.
-_WIDTH = 0.75
-_TOES_OUT = np.radians(6.0)
+WIDTH = 0.75
+TOES_OUT = np.radians(6.0)
 # Lift of the ankle in mid-swing, in addition to that of rolling off [m].
-_LIFT = 0.045
+LIFT = 0.045
 # Time step of the plan [s]; frames are interpolated from it.
 _FINE = 1.0 / 240.0
 
@@ -47,12 +47,12 @@ def _pitch(walk: Walk, step: int, phase: Array) -> tuple[Array, Array]:
     if step >= 0:
         strike = step + 1.0 - 0.5 * DOUBLE
         ahead = np.clip((walk.mark(step) - walk.travelled(strike)) / half, 0.0, 1.0)
-        down = _HEEL_STRIKE * ahead * (1.0 - ease((phase - strike) / (0.9 * DOUBLE)))
+        down = HEEL_STRIKE * ahead * (1.0 - ease((phase - strike) / (0.9 * DOUBLE)))
     off = np.zeros_like(phase)
     lift = step + 2.0 + 0.5 * DOUBLE
     if step + 2 < walk.steps:
         behind = np.clip((walk.travelled(lift) - walk.mark(step)) / half, 0.0, 1.0)
-        off = -_TOE_OFF * max(float(behind), 0.15) * ease((phase - lift + 0.78) / 0.95)
+        off = -TOE_OFF * max(float(behind), 0.15) * ease((phase - lift + 0.78) / 0.95)
     return down, off
 
 
@@ -86,7 +86,7 @@ def _kick_path(leg: Leg, u: Array) -> tuple[Array, Array, Array]:
 def _foot(walk: Walk, leg: Leg, side: str, phase: Array, width: float) -> tuple[Array, ...]:
     """Ankle (T, 3) in path coordinates, pitch (T,) and toe bend (T,) of one foot."""
     left = 1.0 if side == "left" else -1.0
-    yaw = left * _TOES_OUT
+    yaw = left * TOES_OUT
     ankle, pitch, bend = np.empty((len(phase), 3)), np.empty(len(phase)), np.empty(len(phase))
     parity = 0 if walk.first == side else 1
     own = [-2 + parity, *range(parity, walk.steps, 2)]
@@ -119,7 +119,7 @@ def _foot(walk: Walk, leg: Leg, side: str, phase: Array, width: float) -> tuple[
         pitch[rows] = (1.0 - w) * from_pitch + w * to_pitch
         bend[rows] = (1.0 - ease(2.2 * u)) * np.maximum(-from_pitch, 0.0) + (u > 0.6) * to_bend
         far = min(1.0, (walk.mark(step) - walk.mark(before)) / walk.stride)
-        ankle[rows, 2] += _LIFT * max(far, 0.8) * bump
+        ankle[rows, 2] += LIFT * max(far, 0.8) * bump
         if walk.kick is not None and step == walk.kick.step:
             x, z, tilt = _kick_path(leg, np.clip(u, 0.0, 1.0))
             share = ease(u / 0.25) * ease((1.0 - u) / 0.25)
@@ -181,7 +181,7 @@ def _sampled(body: Body, plan: Walk, frames: Array) -> tuple[Array, Array]:
     """Translation (T, 3) and rotations (T, 55, 3) at times `frames` (T,) [s]."""
     joints = np.asarray(body.rest_joints)
     legs = {side: leg_of(body, side) for side in ("left", "right")}
-    width = _WIDTH * 0.5 * float(legs["left"].hip[0] - legs["right"].hip[0])
+    width = WIDTH * 0.5 * float(legs["left"].hip[0] - legs["right"].hip[0])
     times, phases = plan.clock()
     fine = np.arange(int(np.floor(times[-1] / _FINE)) + 1) * _FINE
     phase = np.interp(fine, times, phases)
@@ -209,7 +209,7 @@ def _sampled(body: Body, plan: Walk, frames: Array) -> tuple[Array, Array]:
     rotations = posture.upper_body(plan, phase, going)
     for side, leg in legs.items():
         ankle, pitch, bend = (at(values) for values in feet[side])
-        yaw = _TOES_OUT if side == "left" else -_TOES_OUT
+        yaw = TOES_OUT if side == "left" else -TOES_OUT
         foot = about(2, np.full(len(frames), yaw)) @ WORLD_FROM_REST @ about(0, -pitch)
         for joint, rotvec in solve(leg, root, pelvis + root @ leg.hip, ankle, foot, bend).items():
             rotations[:, joint] = rotvec

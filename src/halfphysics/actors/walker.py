@@ -1,0 +1,339 @@
+"""Walking by footholds: where feet stand next decides all else.
+
+At phase k, in the middle of both feet being down, the pelvis is between the two footholds; in
+between it follows the quintic through these points, at rest where the person stands. So the plan is
+needed two steps ahead: the one that begins, and the one after it or standing. The pelvis is as high
+as the legs allow.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+from halfphysics.actors.foot import Foot, Foothold, FootPose, ease, swung
+from halfphysics.actors.limbs import LegBones
+from halfphysics.actors.turns import (
+    WORLD_FROM_REST,
+    Quat,
+    Vec,
+    about_x,
+    about_y,
+    about_z,
+    multiply,
+    plus,
+    rotate,
+    wrapped,
+)
+from halfphysics.scenarios.acting import posture
+from halfphysics.scenarios.acting.gait import DOUBLE, WIDTH
+from halfphysics.scenarios.acting.legs import leg_of
+from halfphysics.scenarios.acting.walk_plan import WALK_RATIO
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+
+SIDES = ("left", "right")
+#: Side -> its sign along the person's left.
+SIGN = {"left": 1.0, "right": -1.0}
+OTHER = {"left": "right", "right": "left"}
+#: Height of soles above the ground [m]: more than twice the simulator's clearance.
+GROUND = 0.004
+
+_PELVIS_YAW, _PELVIS_LIST = float(posture.PELVIS_YAW), float(posture.PELVIS_LIST)
+_LEAN, _SWAY = float(posture.LEAN), posture.SWAY
+# Length of a step at the usual speed [m]: amplitudes go with the square of a step's length.
+_USUAL_STEP = math.sqrt(WALK_RATIO * posture.USUAL)
+# What the pelvis is below the height at which a leg is straight [m].
+_BENT = 0.004
+# Largest rise of the pelvis in the middle of a step, and largest dip [m].
+_RISE, _DIP = 0.035, -0.05
+# Weight shift of a step on the spot, towards the standing foot [m].
+_SHIFT = 0.03
+# Time constant with which the pace changes [s].
+_PACE_TIME = 0.12
+# Where in a step heights are looked at, the first part of the next step included.
+_MIDDLE = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.76)
+_END = (0.81, 0.84, 0.87, 0.9, 1.0, 1.06, 1.12)
+
+
+class Stride(NamedTuple):
+    """What a person does above its feet: amplitude of the walk, and its two phases.
+
+    Attributes:
+        going: 0 standing, 1 walking at the usual speed.
+        ahead: 1 with the left foot in front, -1 with the right one.
+        swings: 1 in the middle of a left step, -1 in the middle of a right one.
+    """
+
+    going: float
+    ahead: float
+    swings: float
+
+
+class Stand(NamedTuple):
+    """Pelvis and feet at one moment, world.
+
+    Attributes:
+        pelvis: Position of the pelvis joint [m].
+        root: Its rotation.
+        yaw: Heading of the person [rad].
+        feet: Left and right foot.
+        stride: Of arms and trunk.
+    """
+
+    pelvis: Vec
+    root: Quat
+    yaw: float
+    feet: tuple[FootPose, FootPose]
+    stride: Stride
+
+
+@dataclass
+class _Knot:
+    """The pelvis where both feet are down: (x, y, heading), its change by phase, height, going."""
+
+    at: Vec
+    rate: Vec = (0.0, 0.0, 0.0)
+    height: float = 0.0
+    going: float = 0.0
+
+
+@dataclass
+class _Step:
+    side: str
+    start: int
+    before: Foot
+    after: Foot
+    first: _Knot
+    last: _Knot
+    bump: float = 0.0
+
+
+class Walker:
+    """Feet and pelvis of a person who stands or walks.
+
+    Args:
+        body: The person's body.
+    """
+
+    def __init__(self, body: Body) -> None:
+        self.legs = {side: LegBones.of(body, side) for side in SIDES}
+        self.width = 0.5 * WIDTH * (self.legs["left"].hip[0] - self.legs["right"].hip[0])
+        self._forward = posture.forward(leg_of(body, "left"))
+        self.stand_at(Foothold(0.0, 0.0, 0.0))
+
+    # -- Where it is
+
+    @property
+    def stepping(self) -> bool:
+        """Whether a step is under way."""
+        return self._step is not None
+
+    @property
+    def moving(self) -> bool:
+        """Whether the pelvis moved when both feet were last down: a step must follow."""
+        return self._knot.rate != (0.0, 0.0, 0.0)
+
+    @property
+    def centre(self) -> Foothold:
+        """Middle of both feet at the last moment at which both were down."""
+        x, y, yaw = self._knot.at
+        return Foothold(x, y, yaw)
+
+    @property
+    def speed(self) -> float:
+        """Of the pelvis at that moment [m/s]."""
+        return math.hypot(*self._knot.rate[:2]) * self._pace
+
+    @property
+    def last_side(self) -> str:
+        """The foot that stepped last."""
+        return self._last_side
+
+    def hold(self, side: str) -> Foothold:
+        """Where a foot stands, or last stood."""
+        return self._feet[side].hold
+
+    def placed(self, at: Foothold, side: str) -> Foothold:
+        """Where a foot is when the person stands at a place."""
+        w = SIGN[side] * self.width
+        return Foothold(at.x - w * math.sin(at.yaw), at.y + w * math.cos(at.yaw), at.yaw)
+
+    def stand_at(self, at: Foothold) -> None:
+        """Stand at a place, at once."""
+        self._feet = {side: Foot(self.placed(at, side)) for side in SIDES}
+        self._step: _Step | None = None
+        self._phase, self._pace, self._wanted = 0.0, 0.0, 0.0
+        self._last_side = "left"
+        self._knot = _Knot((at.x, at.y, at.yaw))
+        self._knot.height = self._limit(0.0) - _BENT
+
+    # -- Steps
+
+    def step(self, side: str, to: Foothold, then: Foothold | None, seconds: float) -> None:
+        """Begin a step; only where none is under way.
+
+        Args:
+            side: The foot that swings.
+            to: Where it lands.
+            then: Where the other foot lands after it; None: the person stands then.
+            seconds: How long the step takes.
+        """
+        start, other = round(self._phase), OTHER[side]
+        first = self._knot
+        middle = _middle(self._feet[other].hold, to)
+        last = _Knot(_near(middle, first.at))
+        if then is not None:
+            after = _near(_middle(to, then), last.at)
+            last.rate = tuple(0.5 * (b - a) for a, b in zip(first.at, after, strict=True))  # type: ignore[assignment]
+            c, s = math.cos(last.at[2]), math.sin(last.at[2])
+            forward = max(0.0, c * last.rate[0] + s * last.rate[1])
+            last.going = min((forward / _USUAL_STEP) ** 2, 1.5)
+        lifts = self._rolled_off(side, start, first)
+        self._feet[other] = self._roll_after(other, start, last, then)
+        lands = Foot(to, start + 1.0 - 0.5 * DOUBLE, _share(self._ahead(to, last)))
+        self._step = _Step(side, start, lifts, lands, first, last)
+        self._rise(self._step)
+        self._wanted = 1.0 / seconds
+        if not self.moving:
+            self._pace = self._wanted
+        self._last_side = side
+
+    def _ahead(self, hold: Foothold, knot: _Knot, phases: float = -0.5 * DOUBLE) -> float:
+        """How far a foothold is ahead of the pelvis some phases after a knot [m]."""
+        x = knot.at[0] + phases * knot.rate[0]
+        y = knot.at[1] + phases * knot.rate[1]
+        return math.cos(hold.yaw) * (hold.x - x) + math.sin(hold.yaw) * (hold.y - y)
+
+    def _rolled_off(self, side: str, start: int, knot: _Knot) -> Foot:
+        """The foot that lifts now; from standing its heel rises first."""
+        foot = self._feet[side]
+        if foot.behind:
+            return foot
+        return Foot(foot.hold, foot.strike, foot.ahead, start, 0.6, 0.15)
+
+    def _roll_after(self, side: str, start: int, knot: _Knot, then: Foothold | None) -> Foot:
+        """The standing foot of a step: it rolls off if it is the next to lift."""
+        foot = self._feet[side]
+        if then is None:
+            return Foot(foot.hold, foot.strike, foot.ahead)
+        behind = max(_share(-self._ahead(foot.hold, knot, 0.5 * DOUBLE)), 0.15)
+        return Foot(foot.hold, foot.strike, foot.ahead, start + 0.34, 0.95, behind)
+
+    def _rise(self, step: _Step) -> None:
+        """Heights of the pelvis at the end of a step and in its middle, by what legs can reach."""
+        step.last.height = min(self._limit(u) for u in _END) - _BENT
+        way, bump = step.last.height - step.first.height, _RISE
+        for u in _MIDDLE:
+            free = self._limit(u) - _BENT - step.first.height - ease(u) * way
+            bump = min(bump, free / math.sin(math.pi * u) ** 2)
+        step.bump = max(bump, _DIP)
+
+    def advance(self, dt: float) -> bool:
+        """Go on by `dt` [s]; whether a step has ended: the next is to begin, or it stands."""
+        step = self._step
+        if step is None:
+            return False
+        self._pace += (self._wanted - self._pace) * (1.0 - math.exp(-dt / _PACE_TIME))
+        self._phase += dt * self._pace
+        return self._phase >= step.start + 1.0
+
+    def land(self) -> None:
+        """End the step under way, where `advance` said that it has ended."""
+        step = self._step
+        assert step is not None
+        self._feet[step.side] = step.after
+        self._knot, self._step = step.last, None
+        if step.last.rate == (0.0, 0.0, 0.0):
+            self._phase = float(step.start + 1)
+
+    # -- Poses
+
+    def now(self) -> Stand:
+        """Pelvis and feet at this moment."""
+        step = self._step
+        if step is None:
+            return self._at(0.0, self._knot.height)
+        u = self._phase - step.start
+        e, s = ease(u), math.sin(math.pi * u)
+        first, last = step.first.height, step.last.height
+        return self._at(u, first + e * (last - first) + step.bump * s * s)
+
+    def _limit(self, u: float) -> float:
+        """The height of the pelvis at which a leg is straight, at u of the step [m]."""
+        stand = self._at(u, 0.0)
+        limit = math.inf
+        for side, foot in zip(SIDES, stand.feet, strict=True):
+            leg = self.legs[side]
+            hip = rotate(stand.root, leg.hip)
+            dx = foot.ankle[0] - stand.pelvis[0] - hip[0]
+            dy = foot.ankle[1] - stand.pelvis[1] - hip[1]
+            reach = math.sqrt(max(leg.length**2 - dx * dx - dy * dy, 1e-4))
+            limit = min(limit, foot.ankle[2] + reach - hip[2])
+        return limit
+
+    def _at(self, u: float, height: float) -> Stand:
+        step = self._step
+        if step is None:
+            (x, y, yaw), stride, shift = self._knot.at, Stride(self._knot.going, 0.0, 0.0), 0.0
+        else:
+            x, y, yaw = _between(step.first, step.last, u)
+            stride, shift = _stride(step, u)
+        feet = tuple(self._foot(side, u) for side in SIDES)
+        going, ahead, swings = stride
+        turn = multiply(
+            about_z(yaw - _PELVIS_YAW * going * ahead),
+            multiply(about_x(-_PELVIS_LIST * going * swings), about_y(_LEAN * going)),
+        )
+        side = shift - _SWAY * min(going, 1.0) * swings
+        c, s = math.cos(yaw), math.sin(yaw)
+        pelvis = (x + c * self._forward - s * side, y + s * self._forward + c * side, height)
+        return Stand(pelvis, multiply(turn, WORLD_FROM_REST), yaw, feet, stride)  # type: ignore[arg-type]
+
+    def _foot(self, side: str, u: float) -> FootPose:
+        step, leg, left = self._step, self.legs[side], SIGN[side]
+        if step is None:
+            pose = self._feet[side].pose(leg, left, self._phase)
+        elif side == step.side:
+            pose = swung(leg, left, step.before, step.after, step.start, u)
+        else:
+            pose = self._feet[side].pose(leg, left, step.start + u)
+        return FootPose(plus(pose.ankle, (0.0, 0.0, GROUND)), pose.turn, pose.bend)
+
+
+def _share(distance: float) -> float:
+    """Of a full heel strike or roll, for a foot that far ahead or behind [m]."""
+    return min(max(distance / (0.5 * _USUAL_STEP), 0.0), 1.0)
+
+
+def _middle(a: Foothold, b: Foothold) -> Vec:
+    return (0.5 * (a.x + b.x), 0.5 * (a.y + b.y), a.yaw + 0.5 * wrapped(b.yaw - a.yaw))
+
+
+def _near(at: Vec, to: Vec) -> Vec:
+    """The same place, its heading within half a turn of that of `to`."""
+    return (at[0], at[1], to[2] + wrapped(at[2] - to[2]))
+
+
+def _between(first: _Knot, last: _Knot, u: float) -> Vec:
+    """The quintic with no acceleration at its ends; beyond its end it goes on evenly."""
+    if u >= 1.0:
+        return plus(last.at, last.rate, u - 1.0)
+    e, cube = ease(u), u * u * u
+    a = u - cube * (6.0 - u * (8.0 - 3.0 * u))
+    b = cube * (-4.0 + u * (7.0 - 3.0 * u))
+    return tuple(  # type: ignore[return-value]
+        p + e * (q - p) + a * v + b * w
+        for p, v, q, w in zip(first.at, first.rate, last.at, last.rate, strict=True)
+    )
+
+
+def _stride(step: _Step, u: float) -> tuple[Stride, float]:
+    """Amplitude and phases of a step, and the shift of weight to the left [m]."""
+    left = SIGN[step.side]
+    going = step.first.going + ease(u) * (step.last.going - step.first.going)
+    c, s = math.cos(math.pi * u), math.sin(math.pi * u)
+    shift = -left * _SHIFT * max(0.0, 1.0 - going) * s * s
+    return Stride(going, -left * c, left * s), shift

@@ -88,6 +88,7 @@ class Worlds:
         watched, motors, groups = len(plan.watched), len(plan.motors), len(plan.groups)
         self._group = {name: i for i, name in enumerate(plan.groups)}
         self._seen = {name: i for i, name in enumerate(plan.watched)}
+        self._labels: dict[str, int] = {}
         self._fleet = _native.Fleet(count, threads, bodies=watched, motors=motors, groups=groups)
         self.poses = np.zeros((count, watched, 7))
         self.motors = np.zeros((count, 2, motors))
@@ -241,18 +242,14 @@ class Worlds:
 
     def _groups(self, labels: Sequence[str]) -> NDArray[np.int32]:
         """The group of every label, -1: none."""
-        found = [
-            next(
-                (
-                    g
-                    for g, patterns in enumerate(self.plan.groups.values())
-                    if any(fnmatchcase(label, pattern) for pattern in patterns)
-                ),
-                -1,
-            )
-            for label in labels
-        ]
-        return np.array(found, dtype=np.int32)
+        return np.array([self._group_of(label) for label in labels], dtype=np.int32)
+
+    def _group_of(self, label: str) -> int:
+        if label not in self._labels:
+            groups = enumerate(self.plan.groups.values())
+            fits = (g for g, ps in groups if any(fnmatchcase(label, p) for p in ps))
+            self._labels[label] = next(fits, -1)
+        return self._labels[label]
 
 
 def _body_of(world: World, name: str) -> int:

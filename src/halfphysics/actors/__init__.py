@@ -1,14 +1,34 @@
 """Actors: humans that react.
 
-An `Actor` gives the reference of one person frame by frame, by what it sees.
+An `Actor` gives the reference of one person frame by frame, by what it sees. `Clip` plays a motion,
+`Person` acts by goals: `WalkTo`, `TurnTo`, `Follow`, `ReachFor`, `HandOver`, `LookAt`, `SitOn`,
+`StandUp` and `Wait`.
 """
 
 from __future__ import annotations
 
 from halfphysics.actors.actor import Actor
 from halfphysics.actors.clip import Clip
+from halfphysics.actors.look_at import LookAt, Wait
 from halfphysics.actors.person import Person
+from halfphysics.actors.reach_for import HandOver, ReachFor
 from halfphysics.actors.seen import Other, Seen
+from halfphysics.actors.sit_on import SitOn, StandUp
 from halfphysics.actors.walk_to import Follow, TurnTo, WalkTo
 
-__all__ = ["Actor", "Clip", "Follow", "Other", "Person", "Seen", "TurnTo", "WalkTo"]
+__all__ = [
+    "Actor",
+    "Clip",
+    "Follow",
+    "HandOver",
+    "LookAt",
+    "Other",
+    "Person",
+    "ReachFor",
+    "Seen",
+    "SitOn",
+    "StandUp",
+    "TurnTo",
+    "Wait",
+    "WalkTo",
+]

@@ -134,6 +134,14 @@ class Figure:
             side: vec(joints[self.arms[side].joints[0]] - joints[self.arms[side].collar])
             for side in SIDES
         }
+        #: Elbow from shoulder, by side.
+        self.upper = {
+            side: vec(
+                joints[self.arms[side].joints[1]] - joints[self.arms[side].joints[0]]
+            )
+            for side in SIDES
+        }
+        #: Head from the third joint of the spine.
         self.eyes = vec(joints[_HEAD] - joints[_SPINE[2]])
 
     def chest(self, stand: Stand, trunk: Trunk) -> Chest:

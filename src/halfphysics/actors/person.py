@@ -5,24 +5,21 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from halfphysics.actors.figure import (
-    Figure,
-    Gaze,
-    swinging_arm,
-    walking_gaze,
-    walking_trunk,
-)
+from halfphysics.actors.figure import Figure
+from halfphysics.actors.floor_plan import FloorPlan
 from halfphysics.actors.foot import Foothold
-from halfphysics.actors.path import Path, Point
-from halfphysics.actors.seen import Seen
-from halfphysics.actors.steps import Aim, next_step, stopping
-from halfphysics.actors.turns import wrapped
-from halfphysics.actors.walker import SIDES, SIGN, Stand, Walker
+from halfphysics.actors.limbs import vec
+from halfphysics.actors.path import Point
+from halfphysics.actors.poise import Poise
+from halfphysics.actors.seen import Seen, pelvis_of
+from halfphysics.actors.turns import Vec, wrapped
+from halfphysics.actors.walker import Walker
+from halfphysics.actors.way import Way
 from halfphysics.base.validation import is_whole, number, shown, vector
 from halfphysics.errors import InputError
 
@@ -30,8 +27,18 @@ if TYPE_CHECKING:
     from halfphysics.actors.goals import Goal, Task
     from halfphysics.body.body import Body
     from halfphysics.motion.pose import Pose
+    from halfphysics.scene.scene import Scene
 
 Array = NDArray[np.float64]
+
+#: What can be looked at, reached for and gone to: a point (3,) [m], the name of an object, or the
+#: index of a person.
+Target: TypeAlias = "tuple[float, float, float] | str | int"
+
+# A head is this far above the pelvis [m], by the length of a leg.
+_HEAD = 0.72
+# A palm this near to its point is there [m].
+_REACHED = 0.01
 
 
 class Person:
@@ -39,9 +46,10 @@ class Person:
 
     Args:
         body: Its body; None: `Body.default()`.
-        place: Where it stands at the begin, (x, y) [m].
+        place: Where it stands at the begin: the middle between the ankles (x, y) [m].
         heading: Where it faces then, about z [rad], 0 along +x.
         goals: What it does first, one after the other.
+        scene: What it walks around; None: only around people.
 
     Raises:
         InputError: An impossible value.
@@ -54,6 +62,7 @@ class Person:
         place: ArrayLike = (0.0, 0.0),
         heading: float = 0.0,
         goals: Iterable[Goal] = (),
+        scene: Scene | None = None,
     ) -> None:
         if body is None:
             from halfphysics.body.body import Body
@@ -64,8 +73,9 @@ class Person:
         self.body = body
         self._start = Foothold(float(x), float(y), heading)
         self._first_goals = tuple(goals)
-        self.walker = Walker(body)
-        self.figure = Figure(body, self.walker)
+        self._walker = Walker(body)
+        self._way = Way(self._walker, FloorPlan(scene))
+        self._poise = Poise(body, Figure(body, self._walker))
         self.reset()
 
     # -- An actor
@@ -74,19 +84,38 @@ class Person:
         """Stand at the start, with the first goals to do."""
         if not is_whole(seed, least=0, plain=False):
             raise InputError(f"Person.reset: expected a seed of at least 0, found {shown(seed)}")
-        self.walker.stand_at(self._start)
-        self.seen = Seen()
+        self._walker.stand_at(self._start)
+        self._way.begin()
+        self._poise.begin(int(seed))
+        self.seen, self.time, self.dt = Seen(), 0.0, 0.0
         self._goals = deque(self._first_goals)
         self._task: Task | None = None
-        self._aim: Aim | None = None
-        return self._posed(self.walker.now())
+        self._looks_at: Target | None = None
+        self._pose = self._poise.pose(self._walker.now())
+        return self._pose
 
     def next(self, dt: float, seen: Seen) -> Pose:
         """The reference `dt` [s] later."""
-        self.seen = seen
+        self.seen, self.dt = seen, dt
+        self.time += dt
         self._do_goals()
-        self._step(dt)
-        return self._posed(self.walker.now())
+        body, offset = self._body_and_offset()
+        self._way.advance(dt, seen, body, offset, self._poise.seat.free)
+        if self._way.wants_to_step:
+            self._poise.seat.rise()
+        stand = self._walker.now()
+        at = None if self._looks_at is None else self.point_of(self._looks_at)
+        self._poise.advance(dt, stand, at, self._way.ahead)
+        self._pose = self._poise.pose(stand)
+        return self._pose
+
+    def _body_and_offset(self) -> tuple[Array, Array]:
+        """Where the simulated pelvis is (2,), and how far from the reference's (2,) [m]."""
+        own = pelvis_of(self._pose, self.body)[:2]
+        if self.seen.pose is None:
+            return own, np.zeros(2)
+        body = pelvis_of(self.seen.pose, self.body)[:2]
+        return body, body - own
 
     # -- Goals
 
@@ -123,63 +152,109 @@ class Person:
             self._task.end(self)
         self._task = None
 
-    # -- What goals ask for
+    # -- What it knows
 
     @property
     def place(self) -> Point:
-        """Where it stands, or where its pelvis was at the last footfall."""
-        return Point(*self.walker.centre[:2])
+        """Where it stands, or where it was at the last footfall [m]."""
+        return Point(*self._walker.centre[:2])
+
+    @property
+    def heading(self) -> float:
+        """Where it faces there, about z [rad]."""
+        return self._walker.centre.yaw
 
     @property
     def arrived(self) -> bool:
         """Whether it stands where it was to walk to."""
-        return self._aim is None and not self.walker.stepping and not self.walker.moving
+        return self._way.arrived
+
+    @property
+    def blocked(self) -> int:
+        """How often something stopped it on the way to where it walks."""
+        return self._way.blocked
+
+    @property
+    def sits(self) -> bool:
+        """Whether it sits at rest."""
+        return self._poise.seat.rests
+
+    @property
+    def stands(self) -> bool:
+        """Whether it stands or walks: it does not sit, nor is it about to stand up."""
+        return self._poise.seat.free
+
+    @property
+    def leg(self) -> float:
+        """Length of its legs [m]."""
+        return self._walker.legs["left"].length
+
+    def palm(self, side: str) -> Vec:
+        """Where the palm of its "left" or "right" hand is in the last pose [m]."""
+        return self._poise.palm(side)
+
+    def reached(self, side: str) -> bool:
+        """Whether a palm is at the point that its hand was brought to."""
+        reach = self._poise.reaches[side]
+        point = reach.point
+        return reach.there and point is not None and math.dist(point, self.palm(side)) < _REACHED
+
+    def lacks(self, side: str, point: Vec) -> float:
+        """What a stretched arm lacks to a point without leaning any farther [m]."""
+        return self._poise.lacks(side, point)
 
     def turned_from(self, heading: float) -> float:
         """How far it would have to turn to the left to face a direction [rad]."""
-        return wrapped(heading - self.walker.centre.yaw)
+        return wrapped(heading - self.heading)
 
-    def position_of(self, who: int | str) -> Array:
-        """Where a person or an object that it sees is (3,) [m].
+    def point_of(self, target: Target) -> Vec:
+        """Where a target is [m]; of a person, its head.
 
         Raises:
             InputError: It sees none of that name.
         """
+        if isinstance(target, tuple):
+            return target
         seen = self.seen
-        if who in seen.others:
-            return seen.others[who].pelvis
-        if isinstance(who, str) and who in seen.objects:
-            return seen.objects[who][0]
+        if target in seen.others:
+            x, y, z = vec(seen.others[target].pelvis)
+            return (x, y, z + _HEAD * self.leg)
+        if isinstance(target, str) and target in seen.objects:
+            return vec(seen.objects[target][0])
         names = ", ".join(map(repr, (*seen.others, *seen.objects))) or "nobody and nothing"
-        raise InputError(f"Person: it does not see {who!r}; it sees {names}")
+        raise InputError(f"Person: it does not see {target!r}; it sees {names}")
+
+    # -- What goals ask for
 
     def walk(self, to: Point, heading: float | None, speed: float) -> None:
-        """Walk to a place from the next step on."""
-        self._aim = Aim(Path([self.place, to]), heading, speed)
+        """Walk to a place from the next step on, after standing up."""
+        self._way.go(to, heading, speed)
 
     def stop(self) -> None:
         """Stand still after the next step."""
-        self._aim = None
+        if not self.arrived:
+            self._way.stop()
 
-    def look(self, at: int | str | None) -> None:
-        """Look at a person or an object; None: ahead."""
+    def look(self, at: Target | None) -> None:
+        """Look at something from now on; None: ahead."""
+        self._looks_at = at
 
-    # -- Inside
+    def reach(self, side: str, point: Vec, palm: str = "in") -> None:
+        """Bring a hand to a point [m], which may be told anew in every frame."""
+        self._poise.reaches[side].to(point, palm, math.dist(point, self.palm(side)))
 
-    def _step(self, dt: float) -> None:
-        walker = self.walker
-        if walker.advance(dt):
-            walker.land()
-        if walker.stepping:
-            return
-        step = stopping(walker) if self._aim is None else next_step(walker, self._aim)
-        if step is None:
-            self._aim = None
-        else:
-            walker.step(*step)
+    def withdraw(self, side: str) -> None:
+        """Let an arm hang again."""
+        self._poise.reaches[side].back()
 
-    def _posed(self, stand: Stand) -> Pose:
-        chest = self.figure.chest(stand, walking_trunk(stand.stride))
-        left, right = (swinging_arm(SIGN[side], stand.stride) for side in SIDES)
-        gaze: Gaze = walking_gaze(stand.stride)
-        return self.figure.pose(stand, chest, gaze, (left, right))
+    def close_hand(self, side: str, closed: bool = True) -> None:
+        """Close or open the fingers of a hand that reaches."""
+        self._poise.reaches[side].close(closed)
+
+    def sit(self, pelvis: Vec) -> None:
+        """Sit down: the pelvis joint comes to a place in the world [m]."""
+        self._poise.seat.sit(pelvis)
+
+    def rise(self) -> None:
+        """Stand up."""
+        self._poise.seat.rise()

@@ -104,6 +104,16 @@ class Seen:
         return total
 
     @property
+    def touched_at(self) -> Array:
+        """Where the person touches anything, but with its feet (n, 3) [m]."""
+        rows = self.contacts
+        if rows is None or not len(rows.part):
+            return np.zeros((0, 3))
+        mine = (rows.person == self.person) & ~np.isin(rows.part, _FEET)
+        places: Array = rows.position[mine]
+        return places
+
+    @property
     def touched(self) -> frozenset[str]:
         """Names of what the person touched, but for what its feet stand on."""
         rows = self.contacts

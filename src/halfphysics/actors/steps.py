@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from halfphysics.actors.foot import Foothold
-from halfphysics.actors.path import Path, Point
+from halfphysics.actors.path import Path
 from halfphysics.actors.turns import wrapped
 from halfphysics.actors.walker import OTHER, SIDES, SIGN, Walker
 from halfphysics.scenarios.acting.walk_plan import WALK_RATIO
@@ -36,13 +36,13 @@ class Aim:
         path: To the place.
         heading: To face there, about z [rad]; None: as the path ends.
         speed: Of the walk [m/s].
-        offset: Of the body from its reference (x, y) [m]: steps go on from where the body is.
+        quick: Whether steps on the spot are as quick as those of who catches their balance.
     """
 
     path: Path
     heading: float | None = None
     speed: float = 1.2
-    offset: Point = Point(0.0, 0.0)
+    quick: bool = False
 
 
 class Next(NamedTuple):
@@ -71,7 +71,7 @@ def stopping(walker: Walker) -> Next | None:
 def next_step(walker: Walker, aim: Aim) -> Next | None:
     """The next step of a person whose feet are both down; None: it is there and stands."""
     goal = Foothold(*aim.path.end, _final_heading(walker, aim))
-    here = {side: _shifted(_centre_line(walker, side), aim.offset) for side in SIDES}
+    here = {side: _centre_line(walker, side) for side in SIDES}
     if not walker.moving and all(_at(here[side], goal) for side in SIDES):
         return None
     side = OTHER[walker.last_side] if walker.moving else _first(walker, aim, goal, here)
@@ -80,7 +80,9 @@ def next_step(walker: Walker, aim: Aim) -> Next | None:
     then, _ = plan.after(to, here[OTHER[side]])
     stands = _at(to, goal) and _at(here[OTHER[side]], goal)
     length = math.hypot(to.x - here[OTHER[side]].x, to.y - here[OTHER[side]].y)
-    seconds = _SLOW if turned else plan.seconds(length)
+    seconds = plan.seconds(length)
+    if turned:
+        seconds = _QUICK if aim.quick else _SLOW
     other = OTHER[side]
     return Next(
         side, walker.placed(to, side), None if stands else walker.placed(then, other), seconds
@@ -166,10 +168,6 @@ def _centre_line(walker: Walker, side: str) -> Foothold:
     """Where the person would stand if both feet were as this one is."""
     hold, w = walker.hold(side), SIGN[side] * walker.width
     return Foothold(hold.x + w * math.sin(hold.yaw), hold.y - w * math.cos(hold.yaw), hold.yaw)
-
-
-def _shifted(at: Foothold, by: Point) -> Foothold:
-    return Foothold(at.x + by.x, at.y + by.y, at.yaw)
 
 
 def _beside(walker: Walker) -> bool:

@@ -129,7 +129,7 @@ class Following:
         self._goal = goal
 
     def go_on(self, me: Person) -> bool:
-        at, goal = me.position_of(self._goal.who), self._goal
+        at, goal = me.point_of(self._goal.who), self._goal
         x, y = me.place
         way = math.hypot(at[0] - x, at[1] - y)
         facing = math.atan2(at[1] - y, at[0] - x)

@@ -143,9 +143,13 @@ class Walker:
         return Foothold(x, y, yaw)
 
     @property
-    def speed(self) -> float:
-        """Of the pelvis at that moment [m/s]."""
-        return math.hypot(*self._knot.rate[:2]) * self._pace
+    def velocity(self) -> tuple[float, float]:
+        """Of the pelvis over the floor, in the mean of the step under way [m/s]."""
+        step = self._step
+        if step is None:
+            return (0.0, 0.0)
+        (ax, ay, _), (bx, by, _) = step.first.at, step.last.at
+        return ((bx - ax) * self._pace, (by - ay) * self._pace)
 
     @property
     def last_side(self) -> str:

@@ -1,0 +1,115 @@
+"""What stands on the floor, from above: points of the surfaces that a walking person would meet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.base import rotations as rot
+from halfphysics.geometry.shapes import Plane
+
+if TYPE_CHECKING:
+    from halfphysics.actors.seen import Placed, Seen
+    from halfphysics.scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+#: Distance of points on a surface [m].
+SPACING = 0.06
+# Heights between which a surface is in the way [m].
+_LOW, _HIGH = 0.04, 1.9
+# A person who stands in the way is as wide as this [m].
+_PERSON = 0.2
+_ROUND = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
+_CIRCLE = np.stack([np.cos(_ROUND), np.sin(_ROUND)], axis=1)
+
+
+class FloorPlan:
+    """Points in the way, on the floor (n, 2) [m].
+
+    Planes are not among them: a scene's walls are boxes or meshes. Links of articulated objects are
+    not, either.
+
+    Args:
+        scene: Whose statics stand where they are, and whose objects are looked for; None: no
+            scene is known, and only people are in the way.
+    """
+
+    def __init__(self, scene: Scene | None) -> None:
+        statics = () if scene is None else scene.statics.values()
+        fixed = [
+            _placed(surface_points(*static.shape.triangles()), static.position, static.quaternion)
+            for static in statics
+            if not isinstance(static.shape, Plane)
+        ]
+        self._tree = _tree(_in_the_way(fixed))
+        objects: Mapping[str, Any] = {} if scene is None else scene.objects
+        self._objects = {
+            name: surface_points(*item.true_shape.triangles()) for name, item in objects.items()
+        }
+
+    def moving(self, seen: Seen, extra: Iterable[Array] = ()) -> Array:
+        """Points (m, 2) of what may be elsewhere by now.
+
+        Args:
+            seen: Objects and people as they are.
+            extra: More places that somebody stands at, (x, y) [m].
+        """
+        objects: Mapping[str, Placed] = seen.objects
+        found = [
+            _placed(points, *objects[name])
+            for name, points in self._objects.items()
+            if name in objects
+        ]
+        people = [other.pelvis[:2] for other in seen.others.values()]
+        circles = [np.asarray(at) + _PERSON * _CIRCLE for at in (*people, *extra)]
+        return np.concatenate([_in_the_way(found), *circles])
+
+    def clearance(self, places: Array, moving: Array) -> Array:
+        """Distance of places (n, 2) from the nearest point in the way (n,) [m]."""
+        out = np.full(len(places), np.inf)
+        for tree in (self._tree, _tree(moving)):
+            if tree is not None:
+                out = np.minimum(out, tree.query(places)[0])
+        return out
+
+
+def surface_points(vertices: Array, faces: NDArray[np.int32]) -> Array:
+    """Points (n, 3) on triangles, no farther from each other than `SPACING`."""
+    corners = np.asarray(vertices, dtype=np.float64)[faces]
+    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    parts = np.maximum(1, np.ceil(edges / SPACING)).astype(int)
+    points = []
+    for count in np.unique(parts):
+        i, j = np.meshgrid(np.arange(count + 1), np.arange(count + 1), indexing="ij")
+        inner = (i + j) <= count
+        a, b = i[inner] / count, j[inner] / count
+        weights = np.stack([1.0 - a - b, a, b], axis=1)
+        points.append(np.einsum("kw,twx->tkx", weights, corners[parts == count]).reshape(-1, 3))
+    return np.concatenate(points) if points else np.zeros((0, 3))
+
+
+def _placed(points: Array, position: Array, quaternion: Array) -> Array:
+    return np.asarray(position) + rot.rotate(quaternion, points)
+
+
+def _in_the_way(groups: list[Array]) -> Array:
+    """Of points (n, 3), those at the heights of a person, (m, 2), one a cell of half `SPACING`."""
+    if not groups:
+        return np.zeros((0, 2))
+    points = np.concatenate(groups)
+    points = points[(points[:, 2] > _LOW) & (points[:, 2] < _HIGH)]
+    cells = np.unique(np.rint(points[:, :2] / (0.5 * SPACING)).astype(np.int64), axis=0)
+    out: Array = cells * (0.5 * SPACING)
+    return out
+
+
+def _tree(points: Array) -> Any:
+    if not len(points):
+        return None
+    from scipy.spatial import cKDTree
+
+    return cKDTree(points)

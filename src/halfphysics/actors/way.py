@@ -1,0 +1,228 @@
+"""Where a person's feet take it: along a route, around what blocks it, and after a push.
+
+What it notices is how far its body is from its reference:
+- behind on its way for a while: it is blocked. It stops where its body is, waits, and looks for a
+  way round what it touched;
+- away while it stands: it was pushed. It steps to where its body is, and comes back when nothing
+  pushes any more.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.actors.foot import Foothold
+from halfphysics.actors.path import Path, Point
+from halfphysics.actors.route import route
+from halfphysics.actors.steps import Aim, Next, next_step, stopping
+
+if TYPE_CHECKING:
+    from halfphysics.actors.floor_plan import FloorPlan
+    from halfphysics.actors.seen import Seen
+    from halfphysics.actors.walker import Walker
+
+Array = NDArray[np.float64]
+
+#: A person this far behind its reference [m] that comes on at less than this share of its speed
+#: for this long [s] is blocked.
+BEHIND, SLOW, PATIENCE = 0.08, 0.35, 0.4
+#: A standing person this far from its reference [m] takes a step.
+PUSHED = 0.10
+# How long it waits before it goes round [s], before it tries again, and before it comes back.
+_WAIT, _AGAIN, _SETTLE = 0.9, 2.0, 0.7
+# It comes back from this far [m].
+_HOME = 0.02
+# What it touched is this far around the contact [m], and is remembered so long [s].
+_AROUND, _REMEMBERED = 0.25, 12.0
+# People this near to the way ahead make it look for another one; so far it looks [m].
+_PEOPLE, _AHEAD = 0.55, 1.6
+
+
+class Way:
+    """The way of one person.
+
+    Args:
+        walker: Its feet.
+        plan: What stands on the floor.
+    """
+
+    def __init__(self, walker: Walker, plan: FloorPlan) -> None:
+        self._walker, self._plan = walker, plan
+        self.begin()
+
+    def begin(self) -> None:
+        """Forget everything; the person stands."""
+        self._goal: tuple[Point, float | None, float] | None = None
+        self._aim: Aim | None = None
+        self._catching = False
+        self._home = self._walker.centre
+        self._held, self._wait, self._calm = 0.0, 0.0, 0.0
+        self._met: list[tuple[Array, float]] = []
+        self._last: tuple[Array, float] | None = None
+        #: How often it was blocked on the way to its goal.
+        self.blocked = 0
+
+    # -- What is asked of it
+
+    @property
+    def arrived(self) -> bool:
+        """Whether it stands where it was to go."""
+        return self._goal is None and self._stands
+
+    @property
+    def wants_to_step(self) -> bool:
+        """Whether it is to go somewhere."""
+        return self._goal is not None and self._wait <= 0.0
+
+    @property
+    def ahead(self) -> float:
+        """Where the way goes, to the left of where the person faces [rad]."""
+        aim = self._aim
+        if aim is None or self._catching:
+            return 0.0
+        centre = self._walker.centre
+        at = aim.path.nearest(centre.x, centre.y)
+        if aim.path.length - at < 0.7:
+            return 0.0
+        to = aim.path.at(at + 0.9)
+        turn = math.atan2(to.y - centre.y, to.x - centre.x) - centre.yaw
+        return math.remainder(turn, 2.0 * math.pi)
+
+    @property
+    def _stands(self) -> bool:
+        return not self._walker.stepping and not self._walker.moving
+
+    def go(self, to: Point, heading: float | None, speed: float) -> None:
+        """Go to a place, from the next step on."""
+        self._goal, self._aim = (to, heading, speed), None
+        self._catching, self._wait, self.blocked = False, 0.0, 0
+
+    def stop(self) -> None:
+        """Stand as soon as feet allow."""
+        self._goal, self._aim, self._catching = None, None, False
+
+    # -- In every frame
+
+    def advance(self, dt: float, seen: Seen, body: Array, offset: Array, free: bool) -> None:
+        """Go on by `dt` [s].
+
+        Args:
+            dt: Length of the frame [s].
+            seen: By the person.
+            body: Where its simulated pelvis is (2,) [m].
+            offset: Of that from its reference (2,) [m].
+            free: Whether it may begin a step.
+        """
+        self._notice(dt, seen, body, offset)
+        walker = self._walker
+        if walker.advance(dt):
+            walker.land()
+        if walker.stepping or not free:
+            return
+        step = self._next(seen, offset)
+        if step is not None:
+            walker.step(*step)
+
+    def _next(self, seen: Seen, offset: Array) -> Next | None:
+        if self._goal is not None and not self._catching and self._wait <= 0.0:
+            self._look_ahead(seen)
+        if self._aim is None:
+            step = stopping(self._walker)
+            if step is None:
+                self._stand(offset)
+        if self._aim is not None:
+            step = next_step(self._walker, self._aim)
+            if step is None:
+                self._there()
+        return step
+
+    def _there(self) -> None:
+        self._aim = None
+        if not self._catching:
+            self._goal = None
+            self._home = self._walker.centre
+        self._catching = False
+
+    def _stand(self, offset: Array) -> None:
+        """What a person does who stands and is to go nowhere now."""
+        centre, home = self._walker.centre, self._home
+        away = math.hypot(*offset)
+        if away > PUSHED:
+            self._calm = 0.0
+            self._to(Point(centre.x + float(offset[0]), centre.y + float(offset[1])), centre.yaw)
+        elif self._goal is None and self._calm > _SETTLE:
+            turned = abs(math.remainder(centre.yaw - home.yaw, 2.0 * math.pi))
+            if math.hypot(centre.x - home.x, centre.y - home.y) > _HOME or turned > 0.02:
+                self._to(Point(home.x, home.y), home.yaw)
+
+    def _to(self, place: Point, yaw: float) -> None:
+        centre = self._walker.centre
+        self._aim = Aim(Path([Point(centre.x, centre.y), place]), yaw, 1.0, quick=True)
+        self._catching = True
+
+    # -- Noticing
+
+    def _notice(self, dt: float, seen: Seen, body: Array, offset: Array) -> None:
+        self._wait = max(0.0, self._wait - dt)
+        self._calm += dt
+        self._met = [(at, left - dt) for at, left in self._met if left > dt]
+        last, self._last = self._last, (body, seen.time)
+        if self._aim is None or self._catching or last is None or not self._walker.stepping:
+            self._held = 0.0
+            return
+        speed = self._walker.velocity
+        wanted = math.hypot(*speed)
+        if wanted < 0.1:
+            return
+        way = np.array(speed) / wanted
+        came = float((body - last[0]) @ way) / dt
+        if float(offset @ way) < -BEHIND and came < SLOW * wanted:
+            self._held += dt
+        else:
+            self._held = max(0.0, self._held - 2.0 * dt)
+        if self._held > PATIENCE:
+            self._is_blocked(seen, body, way)
+
+    def _is_blocked(self, seen: Seen, body: Array, way: Array) -> None:
+        self._held, self._aim = 0.0, None
+        self.blocked += 1
+        self._wait = _WAIT if self.blocked < 3 else _AGAIN
+        touched = seen.touched_at
+        places = touched[:, :2] if len(touched) else (body + 0.35 * way)[None]
+        for at in places[:8]:
+            self._met.append((at + _AROUND * way, _REMEMBERED))
+
+    def _look_ahead(self, seen: Seen) -> None:
+        """Find the way, or another one where people are in it."""
+        assert self._goal is not None
+        to, heading, speed = self._goal
+        centre = self._walker.centre
+        here = Point(centre.x, centre.y)
+        if self._aim is not None and not self._people_ahead(seen, self._aim.path, here):
+            return
+        moving = self._plan.moving(seen, [at for at, _ in self._met])
+        path = route(self._plan, here, to, moving)
+        if path is None:
+            self._aim, self._wait = None, _AGAIN
+            return
+        self._aim = Aim(path, heading, speed)
+
+    def _people_ahead(self, seen: Seen, path: Path, here: Point) -> bool:
+        """Whether somebody stands on the way ahead."""
+        if not seen.others:
+            return False
+        at = path.nearest(*here)
+        ahead = [path.at(at + d) for d in np.arange(0.4, _AHEAD, 0.3)]
+        return any(
+            min(math.dist(other.pelvis[:2], place) for place in ahead) < _PEOPLE
+            for other in seen.others.values()
+        )
+
+    @property
+    def home(self) -> Foothold:
+        """Where it comes back to."""
+        return self._home

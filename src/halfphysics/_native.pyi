@@ -521,6 +521,7 @@ class Fleet:
         active: Annotated[NDArray[numpy.int32], "(*,)"],
         targets: Annotated[NDArray[numpy.float64], "(*, *)"],
         rests: Annotated[NDArray[numpy.float64], "(*, *)"],
+        rates: Annotated[NDArray[numpy.float64], "(*, *)"],
         dt: float,
         substeps: int,
         poses: Annotated[NDArray[numpy.float64], "(*, *)"],

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,9 +47,10 @@ BASE_XML = """
 <body name="cart">
  <joint name="x" type="slide" axis="1 0 0" stiffness="4000" damping="900"/>
  <joint name="y" type="slide" axis="0 1 0" stiffness="4000" damping="900"/>
+ <geom type="cylinder" size=".10 .05" pos="0 0 .12" mass="8" contype="0" conaffinity="0"/>
  <body name="base" pos="0 0 .02">
   <joint name="yaw" axis="0 0 1" stiffness="300" damping="60"/>
-  <geom type="cylinder" size=".24 .14" pos="0 0 .15" mass="30"/>
+  <geom type="cylinder" size=".24 .14" pos="0 0 .15" mass="22"/>
   <geom type="cylinder" size=".05 .40" pos="0 0 .69" mass="4"/>
   <geom type="box" size=".06 .14 .06" pos=".02 0 1.13" mass="2"/>
  </body></body>
@@ -60,9 +62,10 @@ HOLDER_XML = """
 <body name="cart">
  <joint name="x" type="slide" axis="1 0 0" stiffness="4000" damping="900"/>
  <joint name="y" type="slide" axis="0 1 0" stiffness="4000" damping="900"/>
+ <geom type="cylinder" size=".10 .05" pos="0 0 .12" mass="8" contype="0" conaffinity="0"/>
  <body name="base" pos="0 0 .02">
   <joint name="yaw" axis="0 0 1" stiffness="300" damping="60"/>
-  <geom type="cylinder" size=".20 .14" pos="0 0 .15" mass="30"/>
+  <geom type="cylinder" size=".20 .14" pos="0 0 .15" mass="22"/>
   <geom type="cylinder" size=".05 .36" pos="0 0 .65" mass="4"/>
   <geom type="capsule" fromto="0 0 .95 .42 0 .95" size=".03" mass="1"/>
   <geom type="sphere" size=".05" pos=".42 0 .95" mass=".3"/>
@@ -79,9 +82,16 @@ class Arm:
     fore: float = 0.40
     hand: float = 0.10
     #: The most that the motors exert [N m], of the fingers [N].
-    effort = {"pan": 90.0, "lift": 150.0, "elbow": 90.0, "wrist": 25.0, "left": 25.0, "right": 25.0}
+    effort: ClassVar[Mapping[str, float]] = {
+        "pan": 90.0,
+        "lift": 150.0,
+        "elbow": 90.0,
+        "wrist": 25.0,
+        "left": 25.0,
+        "right": 25.0,
+    }
     #: Joints in the order of `reach`.
-    joints = ("pan", "lift", "elbow", "wrist")
+    joints: ClassVar[tuple[str, ...]] = ("pan", "lift", "elbow", "wrist")
 
     def reach(self, point: Array) -> Array:
         """Joint angles (N, 4) [rad] that put the middle between the fingers at points (N, 3) [m] of

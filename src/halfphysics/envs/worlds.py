@@ -20,6 +20,7 @@ from halfphysics.settings import Settings
 from halfphysics.simulation import holding, live_edits
 from halfphysics.simulation.build_world import build_world
 from halfphysics.simulation.coordinates import FreeObject
+from halfphysics.simulation.core_rows import ContactRows, contact_rows
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -93,7 +94,7 @@ class Worlds:
         self.poses = np.zeros((count, watched, 7))
         self.motors = np.zeros((count, 2, motors))
         self.impulses = np.zeros((count, groups, groups, 4))
-        self._rests = np.zeros((count, motors))
+        self._rests, self._fresh = np.zeros((count, motors)), np.ones(count, dtype=bool)
         for i in range(count):
             self._put(i)
 
@@ -142,6 +143,7 @@ class Worlds:
             qpos[at.qpos : at.qpos + 3] = np.asarray(position) + rot.rotate(quat, at.com)
             qpos[at.qpos + 3 : at.qpos + 7] = quat
         world.stepper.reset(qpos, qvel)
+        self._fresh[i] = True
         usual = np.tile(world.stiffness, (len(poses), 1))
         world.stepper.set_stiffness(world.stiffness_to_core(usual))
         self._look(i)
@@ -154,8 +156,11 @@ class Worlds:
             rests: Where the motors are told to go (N, motors) [rad or m].
             active: Which worlds move (N,); None: all. Of the others nothing changes.
         """
-        every = np.ones(self.count) if active is None else active
-        self._frame(every.astype(np.int32), targets, rests, self._substeps)
+        every = np.ones(self.count, dtype=bool) if active is None else active
+        rates = np.where(self._fresh[:, None], 0.0, (rests - self._rests) / self.dt)
+        self._frame(every, targets, rests, rates, self._substeps)
+        self._rests = np.where(every[:, None], rests, self._rests)
+        self._fresh &= ~every
 
     def attach(self, i: int, name: str, part: str, person: int = 0) -> None:
         """Tie an object to a part of a person where it is now (`Simulator.attach`), until the
@@ -183,6 +188,21 @@ class Worlds:
         out: Array = self.impulses[:, self._group[on], self._group[by], 3] / self.dt
         return out
 
+    def touched(self, group: str) -> NDArray[np.bool_]:
+        """Whether anything of a group has been pushed in the last frame (N,)."""
+        touched: NDArray[np.bool_] = (self.impulses[:, self._group[group], :, 3] > 0.0).any(axis=1)
+        return touched
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What `contacts` refer to."""
+        return self._first[0].names
+
+    def contacts(self, i: int) -> ContactRows:
+        """The contacts of world `i` in its last frame."""
+        world = self._now[i]
+        return contact_rows(world, world.stepper.touches())[0]
+
     def person_pose(self, i: int, person: int = 0) -> Pose:
         """The simulated pose of a person of world `i`."""
         world, axes = self._now[i], np.eye(3)
@@ -201,11 +221,14 @@ class Worlds:
 
     # -- inside ----------------------------------------------------------------------------
 
-    def _frame(self, active: Array, targets: Array, rests: Array, substeps: int) -> None:
+    def _frame(
+        self, active: Array, targets: Array, rests: Array, rates: Array, substeps: int
+    ) -> None:
         self._fleet.frame(
             active=np.ascontiguousarray(active, dtype=np.int32),
             targets=np.ascontiguousarray(targets),
             rests=np.ascontiguousarray(rests),
+            rates=np.ascontiguousarray(rates),
             dt=self.dt,
             substeps=substeps,
             poses=self.poses.reshape(self.count, -1),
@@ -218,7 +241,7 @@ class Worlds:
         active = np.zeros(self.count)
         active[i] = 1
         targets = np.zeros((self.count, sum(p.count for p in self._first[0].people)))
-        self._frame(active, targets, self._rests, 0)
+        self._frame(active, targets, self._rests, self._rests, 0)
 
     def _put(self, i: int) -> None:
         """Give the core the world that is now the `i`-th."""

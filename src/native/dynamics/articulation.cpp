@@ -50,6 +50,7 @@ void Articulations::finish(const Model& m, const std::vector<char>& others) {
   joints.lower.resize(m.njnt, 0.0);
   joints.upper.resize(m.njnt, 0.0);
   joints.effort.assign(m.njnt, std::numeric_limits<double>::infinity());
+  joints.rate.assign(m.njnt, 0.0);
   joints.motors.clear(), balanced_.assign(m.nbody, 0);
   bodies_.clear(), dofs_.clear(), joints_.clear(), ends_.clear(), end_joint_.clear();
   std::vector<char> moves(m.nbody, 0);
@@ -84,6 +85,7 @@ void Articulations::set_motors(const Model& m, const std::vector<int>& motors,
     if (!(effort[i] >= 0)) throw std::invalid_argument("set_motors: expected efforts of 0 or more");
   }
   joints.motors = motors;
+  joints.rate.assign(m.njnt, 0.0);
   balanced_.assign(m.nbody, 0);
   for (size_t i = 0; i < motors.size(); i++) joints.effort[motors[i]] = effort[i];
   for (int j : motors)
@@ -91,9 +93,12 @@ void Articulations::set_motors(const Model& m, const std::vector<int>& motors,
       if (m.root[b] == m.root[m.jnt_body[j]]) balanced_[b] = 1;
 }
 
-void Articulations::set_rests(const Model& m, const double* rests) {
-  for (size_t i = 0; i < joints.motors.size(); i++)
-    joints.spring[m.jnt_qpos[joints.motors[i]]] = rests[i];
+void Articulations::set_rests(const Model& m, const double* rests, const double* rates) {
+  for (size_t i = 0; i < joints.motors.size(); i++) {
+    const int j = joints.motors[i];
+    joints.spring[m.jnt_qpos[j]] = rests[i];
+    joints.rate[j] = rates[i];
+  }
 }
 
 bool Articulations::any(const Model& m, const std::vector<char>& active) const {
@@ -141,11 +146,12 @@ void Articulations::impulse(const Model& m, const Kinematics& k, const std::vect
         break;
       }
       default: {
-        const double pull = -K * (qpos[q] - joints.spring[q]), most = joints.effort[j];
-        if (std::fabs(pull) <= most)
+        const double D = joints.damping[d], most = joints.effort[j];
+        const double pull = -K * (qpos[q] - joints.spring[q]) + D * joints.rate[j];
+        if (std::fabs(pull - D * qvel[d]) <= most)
           act(0, pull);
         else  // at its effort a motor does not feel how far it is off
-          out[d] = h * (-bias_[d] - joints.damping[d] * qvel[d] + std::copysign(most, pull));
+          out[d] = h * (-bias_[d] + std::copysign(most, pull - D * qvel[d]));
       }
     }
   }

@@ -7,8 +7,9 @@
 // which is implicit in springs and damping: any stiffness is stable (docs/physics.md, "Articulated
 // objects"). A limit of a joint is a contact without friction that moves with one dof.
 //
-// A motor is the spring of a hinge or slide whose rest is set from outside, and that exerts its effort
-// at most. Trees with motors bear their own weight, as robots' controllers have it: no gravity in c.
+// A motor is a spring of a hinge or slide whose rest r moves as it is told, with a damping D against the
+// rest's own velocity: it exerts K (r - q) + D (dr/dt - v), and its effort at most. Trees with motors
+// bear their own weight, as robots' controllers have it: no gravity in c.
 #pragma once
 #include <algorithm>
 #include <vector>
@@ -26,6 +27,7 @@ struct JointForces {
   std::vector<char> limited;         // per joint, of hinges and slides
   std::vector<double> lower, upper;  // per joint
   std::vector<double> effort;        // per joint: the most that its spring exerts [N m or N]
+  std::vector<double> rate;          // per joint: velocity of its spring's rest [rad/s or m/s]
   std::vector<int> motors;           // joints
 };
 
@@ -45,8 +47,8 @@ class Articulations {
   // After finish(): these joints (hinges and slides) are motors; `effort` [N m or N] for each.
   void set_motors(const Model& m, const std::vector<int>& motors,
                   const std::vector<double>& effort);
-  // Where the springs of the motors rest from now on [rad or m].
-  void set_rests(const Model& m, const double* rests);
+  // Where the springs of the motors rest from now on [rad or m], and how fast that moves.
+  void set_rests(const Model& m, const double* rests, const double* rates);
   // Is any of them active?
   bool any(const Model& m, const std::vector<char>& active) const;
   const std::vector<int>& dofs() const { return dofs_; }

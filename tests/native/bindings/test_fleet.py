@@ -71,11 +71,12 @@ class Side:
         self.states = np.zeros((count, 2 * self.motors))
         self.impulses = np.zeros((count, 4))
 
-    def frame(self, rests, dt, substeps, active=None):
+    def frame(self, rests, dt, substeps, active=None, rates=None):
         self.fleet.frame(
             active=np.ones(self.count, np.int32) if active is None else active,
             targets=np.zeros((self.count, 0)),
             rests=np.ascontiguousarray(rests, dtype=float),
+            rates=np.zeros(np.shape(rests)) if rates is None else np.array(rates, dtype=float),
             dt=dt,
             substeps=substeps,
             poses=self.poses,
@@ -101,6 +102,15 @@ def test_a_motor_exerts_its_effort_at_most():
     for _ in range(30):
         side.frame([[100.0]], 1 / 60, 10)
     assert side.states[0, 1] == pytest.approx(6.0 * 0.5 / 4.0, rel=1e-3)
+
+
+def test_a_motor_follows_a_rest_that_moves():
+    """Its damping is against the rest's velocity: no lag but that of the steps of the rest."""
+    side = Side(ARM)
+    for k in range(1, 91):
+        side.frame([[0.5 * k / 30, 0.0]], 1 / 30, 8, rates=[[0.5, 0.0]])
+    assert side.states[0, 2] == pytest.approx(0.5, rel=0.05)
+    assert side.states[0, 0] == pytest.approx(1.5, abs=0.5 / 30)
 
 
 def test_a_motor_within_its_effort_is_a_spring():

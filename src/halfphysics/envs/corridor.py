@@ -119,6 +119,7 @@ class Corridor(Task):
             i, np.array([START, chance.uniform(-0.5, 0.5)]), chance.uniform(-0.3, 0.3)
         )
         self.worlds.start(i, [pose], joints)
+        self.people.settle(i)
         self._wanted[i], self._far[i] = 0.0, self._distance()[i]
 
     # -- one step --------------------------------------------------------------------------

@@ -48,6 +48,7 @@ class Walkers:
         self._told = np.full((count, 3), np.nan)
         self.place, self.velocity = np.zeros((count, 2)), np.zeros((count, 2))
         self._time, self._pushed = np.zeros(count), np.zeros(count, dtype=bool)
+        self._reaches = np.zeros(count, dtype=bool)
 
     def start(self, i: int, place: Array, heading: float, seed: int) -> Pose:
         """Person `i` stands at a place (2,) [m], facing `heading` [rad]."""
@@ -56,8 +57,25 @@ class Walkers:
         self._actors[i], self._told[i] = person, np.nan
         self._targets[i] = self._worlds.coordinates([pose])
         self.place[i], self.velocity[i] = place, 0.0
-        self._time[i], self._pushed[i] = 0.0, False
+        self._time[i], self._pushed[i], self._reaches[i] = 0.0, False, False
         return pose
+
+    def settle(self, i: int) -> None:
+        """Take in where person `i` stands, once its world has started."""
+        self.place[i] = self._worlds.place("person/pelvis")[i, :2]
+
+    def hands(self, points: Array, active: Array) -> None:
+        """Tell the right hands of active people where to reach (N, 3) [m]; NaN: nowhere."""
+        for i in np.flatnonzero(active):
+            person, (x, y, z) = self._actors[i], points[i]
+            if person is None:
+                continue
+            if np.isfinite(x):
+                person.reach("right", (float(x), float(y), float(z)))
+                self._reaches[i] = True
+            elif self._reaches[i]:
+                person.withdraw("right")
+                self._reaches[i] = False
 
     def tell(self, speed: Array, heading: Array, active: Array) -> Array:
         """The targets (N, K) of the next frame.

@@ -45,7 +45,7 @@ LAYERS = {
     "labels": "errors base motion geometry body scene results metrics _native",
     "mujoco": "errors base motion geometry body settings scene simulation _native",
     "scenarios": "errors base motion geometry body scene settings simulation",
-    "actors": "errors base motion body simulation scenarios",
+    "actors": "errors base motion geometry body settings scene results simulation scenarios",
     "viewer": (
         "errors base motion geometry body settings scene results support simulation formats render "
         "labels scenarios"

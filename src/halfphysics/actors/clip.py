@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -10,7 +11,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.actors.inertia import Inertia, State
-from halfphysics.actors.turns import WORLD_FROM_REST, heading_of, wrapped
+from halfphysics.actors.limbs import vec
+from halfphysics.actors.turns import (
+    WORLD_FROM_REST,
+    Quat,
+    about_z,
+    exp,
+    heading_of,
+    log,
+    multiply,
+    rotate,
+    wrapped,
+)
 from halfphysics.base import rotations as rot
 from halfphysics.base.validation import number, vector
 from halfphysics.motion.motion import Motion
@@ -85,6 +97,7 @@ class Clip:
         turn = wrapped(heading_of(self._quats[-1, 0]) - heading_of(self._quats[0, 0]))
         self._round = Round(turn, roots[0], (roots[-1] - roots[0]) * [1.0, 1.0, 0.0])
         self._seam = self._made_seam(self._fade)
+        self._place: tuple[Array, Quat] | None = None
         self.reset()
 
     @property
@@ -102,6 +115,13 @@ class Clip:
         self._time = 0.0
         return self._at(0.0)
 
+    def restart(self, pose: Pose) -> Pose:
+        """The first frame, at the place of a pose and facing as it does."""
+        at = pose.axes @ self._pelvis + pose.translation
+        turn = heading_of(exp(vec(pose.rotations[0]))) - heading_of(self._quats[0, 0])
+        self._place = (at * [1.0, 1.0, 0.0], about_z(turn))
+        return self.reset()
+
     def next(self, dt: float, seen: Seen) -> Pose:
         """The clip `dt` [s] later; what is seen changes nothing."""
         self._time += dt * self.speed
@@ -114,20 +134,24 @@ class Clip:
         state = self._sampled(frames)
         if rounds and self._seam is not None:
             state = self._seam.at(frames / self._fps, state)
-        root, quats = state.root, state.quats
+        root, turns = state.root, rotvecs(state.quats)
+        turn = about_z(rounds * self._round.turn)
         if rounds:
-            turn = rot.exp([0.0, 0.0, rounds * self._round.turn])
             root = self._round.after(rounds, root)
-            quats = np.concatenate([rot.multiply(turn, quats[:1]), quats[1:]])
-        return Pose.trusted(root - self._axes @ self._pelvis, rot.log(quats), self._axes.copy())
+        if self._place is not None:
+            first, extra = self._place
+            flat = self._roots[0] * [1.0, 1.0, 0.0]
+            root = first + np.array(rotate(extra, vec(root - flat)))
+            turn = multiply(extra, turn)
+        if rounds or self._place is not None:
+            turns[0] = log(multiply(turn, exp(vec(turns[0]))))
+        return Pose.trusted(root - self._axes @ self._pelvis, turns, self._axes.copy())
 
     def _sampled(self, frame: float) -> State:
         low = min(int(frame), self._last - 1)
         w = frame - low
         root = (1.0 - w) * self._roots[low] + w * self._roots[low + 1]
-        return State(
-            root, rot.normalize((1.0 - w) * self._quats[low] + w * self._quats[low + 1])
-        )
+        return State(root, (1.0 - w) * self._quats[low] + w * self._quats[low + 1])
 
     def _made_seam(self, fade: float) -> Inertia | None:
         """What is left of the end of a round at the begin of the next."""
@@ -135,12 +159,12 @@ class Clip:
             return None
         undo = rot.exp([0.0, 0.0, -self._round.turn])
         ends = []
-        for frame in (self._last - 1.0, float(self._last)):
-            state = self._sampled(frame)
+        for frame in (self._last - 1, self._last):
+            state = State(self._roots[frame], self._quats[frame])
             quats = np.concatenate([rot.multiply(undo, state.quats[:1]), state.quats[1:]])
             ends.append(State(self._round.before(state.root), quats))
         old = ends[1], ends[1].on(ends[0])
-        new = self._sampled(0.0), self._sampled(1.0)
+        new = (State(self._roots[0], self._quats[0]), State(self._roots[1], self._quats[1]))
         return Inertia(old, new, 1.0 / self._fps, fade)
 
 
@@ -160,16 +184,30 @@ class Round:
 
     def after(self, rounds: int, root: Array) -> Array:
         """A position of the first round (3,), as many rounds later."""
-        at = self.start.copy()
-        for k in range(rounds):
-            at += rot.rotate(rot.exp([0.0, 0.0, k * self.turn]), self.way)
-        return at + rot.rotate(rot.exp([0.0, 0.0, rounds * self.turn]), root - self.start)
+        once = cmath.exp(1j * self.turn)
+        turned = once**rounds
+        # The ways of all rounds, each turned by those before it, are a geometric series.
+        ways = rounds if abs(once - 1.0) < 1e-9 else (1.0 - turned) / (1.0 - once)
+        x, y, z = root - self.start
+        there = ways * complex(*self.way[:2]) + turned * complex(x, y)
+        return self.start + np.array([there.real, there.imag, z])
 
     def before(self, root: Array) -> Array:
         """A position (3,), one round earlier."""
         return self.start + rot.rotate(
             rot.exp([0.0, 0.0, -self.turn]), root - self.start - self.way
         )
+
+
+def rotvecs(quats: Array) -> Array:
+    """Axis-angle vectors (n, 3) of quaternions (n, 4) of any length, not zero."""
+    v = quats[:, 1:]
+    size = np.sqrt(np.einsum("ij,ij->i", v, v))
+    w = quats[:, 0]
+    angle = 2.0 * np.arctan2(size, np.abs(w))
+    factor = np.where(size > 1e-12, angle / np.maximum(size, 1e-12), 2.0 / np.maximum(w, 0.5))
+    result: Array = np.where(w < 0.0, -factor, factor)[:, None] * v
+    return result
 
 
 def moved(

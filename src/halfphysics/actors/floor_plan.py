@@ -22,7 +22,7 @@ SPACING = 0.06
 # Heights between which a surface is in the way [m].
 _LOW, _HIGH = 0.04, 1.9
 # A person who stands in the way is as wide as this [m].
-_PERSON = 0.2
+_PERSON = 0.3
 _ROUND = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
 _CIRCLE = np.stack([np.cos(_ROUND), np.sin(_ROUND)], axis=1)
 
@@ -51,12 +51,12 @@ class FloorPlan:
             name: surface_points(*item.true_shape.triangles()) for name, item in objects.items()
         }
 
-    def moving(self, seen: Seen, extra: Iterable[Array] = ()) -> Array:
+    def moving(self, seen: Seen, people: Iterable[Array] = ()) -> Array:
         """Points (m, 2) of what may be elsewhere by now.
 
         Args:
-            seen: Objects and people as they are.
-            extra: More places that somebody stands at, (x, y) [m].
+            seen: Objects as they are.
+            people: Places that somebody stands at, (x, y) [m].
         """
         objects: Mapping[str, Placed] = seen.objects
         found = [
@@ -64,8 +64,7 @@ class FloorPlan:
             for name, points in self._objects.items()
             if name in objects
         ]
-        people = [other.pelvis[:2] for other in seen.others.values()]
-        circles = [np.asarray(at) + _PERSON * _CIRCLE for at in (*people, *extra)]
+        circles = [np.asarray(at) + _PERSON * _CIRCLE for at in people]
         return np.concatenate([_in_the_way(found), *circles])
 
     def clearance(self, places: Array, moving: Array) -> Array:

@@ -28,6 +28,11 @@ class Glide:
         self._from, self._rate = self.value, self.speed
         self.goal, self._seconds, self._time = goal, seconds, 0.0
 
+    def put(self, value: float, dt: float) -> None:
+        """Be at a value, `dt` [s] after the last one: from there a next goal goes on."""
+        self.value, self.speed = value, (value - self.value) / dt
+        self.goal, self._time = math.nan, self._seconds
+
     def advance(self, dt: float) -> float:
         """The value `dt` [s] later."""
         self._time = min(self._time + dt, self._seconds)

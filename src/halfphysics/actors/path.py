@@ -72,7 +72,7 @@ class Path:
                 best, found = off, self._at[i] + t * way
         return found
 
-    def rounded(self, reach: float = 0.3) -> Path:
+    def rounded(self, reach: float = 0.22) -> Path:
         """The path with its corners cut, each over at most `reach` before and behind it [m]."""
         if len(self.points) < 3:
             return self

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from halfphysics.actors.figure import Figure
 from halfphysics.actors.floor_plan import FloorPlan
 from halfphysics.actors.foot import Foothold
+from halfphysics.actors.footprints import feet_of
 from halfphysics.actors.limbs import vec
 from halfphysics.actors.path import Point
 from halfphysics.actors.poise import Poise
@@ -91,6 +92,15 @@ class Person:
         self._goals = deque(self._first_goals)
         self._task: Task | None = None
         self._looks_at: Target | None = None
+        self._pose = self._poise.pose(self._walker.now())
+        return self._pose
+
+    def restart(self, pose: Pose) -> Pose:
+        """Stand on the feet of a pose, with the goals that there are."""
+        left, right = feet_of(pose, self.body)
+        self._walker.stand_on(left, right)
+        self._way.begin()
+        self._end_task()
         self._pose = self._poise.pose(self._walker.now())
         return self._pose
 

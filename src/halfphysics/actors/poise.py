@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from halfphysics.actors.figure import (
+    ArmTurns,
     Chest,
     Figure,
     Trunk,
@@ -19,8 +20,8 @@ from halfphysics.actors.gaze import Look
 from halfphysics.actors.reach import Reach
 from halfphysics.actors.seat import Seat
 from halfphysics.actors.stoop import Stoop
-from halfphysics.actors.turns import Vec, plus
-from halfphysics.actors.walker import SIDES, SIGN, Stand
+from halfphysics.actors.turns import Vec, about_x, multiply, plus
+from halfphysics.actors.walker import SIDES, SIGN, Stand, Stride
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 # Sway of who stands: to the side and ahead [m], of the trunk [rad]; frequencies [Hz].
 _SWAY = (0.006, 0.004)
 _BREATH = 0.012
+# How much of the trunk's pitch a hanging arm takes back.
+_HANG = 0.85
 _RATES = (0.11, 0.17, 0.25, 0.07)
 
 
@@ -107,13 +110,19 @@ class Poise:
         # Who leans keeps the face up.
         gaze = gaze._replace(nod=gaze.nod - 0.35 * self._stoop.lean)
         self._arms = {
-            side: reach.turns(chest, self.seat.arm(SIGN[side], swinging_arm(SIGN[side], stride)))
+            side: reach.turns(chest, self._hanging(SIGN[side], stride))
             for side, reach in self.reaches.items()
         }
         self._palms = tuple(self.reaches[side].palm_at(chest, self._arms[side]) for side in SIDES)
         left, right = (self._arms[side] for side in SIDES)
         curls = tuple(self.reaches[side].curl.value for side in SIDES)
         return self._figure.pose(stand, chest, gaze, (left, right), curls)  # type: ignore[arg-type]
+
+    def _hanging(self, left: float, stride: Stride) -> ArmTurns:
+        """An arm that does not reach: who leans lets it hang down."""
+        arm = self.seat.arm(left, swinging_arm(left, stride))
+        turn = -_HANG * self._stoop.pitch
+        return arm._replace(shoulder=multiply(about_x(turn), arm.shoulder)) if turn else arm
 
     def _swaying(self, stand: Stand, trunk: Trunk) -> tuple[Stand, Trunk]:
         """Who stands sways and breathes."""

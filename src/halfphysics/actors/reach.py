@@ -68,6 +68,8 @@ _MANNERS = tuple(
 )
 # Joints end this far within their ranges [rad].
 _WITHIN = 0.01
+# Where an arm can choose, its joints stay this far from their ends [rad].
+_MARGIN = 0.3
 # A point that moves is followed with this time constant [s].
 _FOLLOW = 0.12
 #: Speed of a hand on its way, in the mean [m/s]; and the least time of a way [s].
@@ -86,6 +88,13 @@ class _Range:
 
     def angles(self, turn: Quat) -> Vec:
         return swing_twist(turn, self.axes)
+
+    def tight(self, angles: Vec) -> float:
+        """How much less than `_MARGIN` angles are from their ends [rad]."""
+        return sum(
+            max(0.0, _MARGIN - min(a - low, high - a))
+            for a, low, high in zip(angles, self.lower, self.upper, strict=True)
+        )
 
     def kept(self, angles: Vec) -> tuple[Vec, float]:
         """Angles within the range, and how far they were beyond it [rad]."""
@@ -212,7 +221,11 @@ class Reach:
                 angles.append(kept)
                 beyond += more
             if beyond < 1e-9 or not left:
-                return angles, beyond + 0.1 * abs(manner.roll) + manner.cost
+                tight = sum(
+                    held.tight(kept) for kept, held in zip(angles[:2], self._ranges, strict=False)
+                )
+                cost = 0.3 * tight + 0.1 * abs(manner.roll) + manner.cost
+                return angles, beyond + cost
             turns = (
                 from_swing_twist(kept, held.axes)
                 for kept, held in zip(angles, self._ranges, strict=True)

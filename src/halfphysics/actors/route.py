@@ -18,7 +18,7 @@ from halfphysics.actors.path import Path, Point
 Array = NDArray[np.float64]
 
 #: Distance of the middle of a walking person from what it passes [m]: preferred, and least.
-ROOM, NARROW = 0.42, 0.31
+ROOM, NARROW = 0.48, 0.31
 # Side of a cell [m]; what the grid has beyond start and end [m], at first and at the second try.
 _CELL = 0.1
 _MARGINS = (2.5, 8.0)

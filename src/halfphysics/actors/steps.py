@@ -18,6 +18,8 @@ _TURN_WALKING, _TURN_ON_SPOT = 0.55, 0.85
 _SHARP = 1.0
 # A path shorter than this is gone by side steps, whatever its direction [m].
 _SHUFFLE = 0.35
+# The longest step to the side or back [m].
+_SIDEWAYS = 0.4
 # Time of a step on the spot, and of the shortest step [s].
 _SLOW, _QUICK = 0.58, 0.4
 # The first step of a walk, as a share of an ordinary one.
@@ -36,13 +38,13 @@ class Aim:
         path: To the place.
         heading: To face there, about z [rad]; None: as the path ends.
         speed: Of the walk [m/s].
-        quick: Whether steps on the spot are as quick as those of who catches their balance.
+        catching: Whether it keeps its balance: short quick steps, without turning to the way.
     """
 
     path: Path
     heading: float | None = None
     speed: float = 1.2
-    quick: bool = False
+    catching: bool = False
 
 
 class Next(NamedTuple):
@@ -82,7 +84,7 @@ def next_step(walker: Walker, aim: Aim) -> Next | None:
     length = math.hypot(to.x - here[OTHER[side]].x, to.y - here[OTHER[side]].y)
     seconds = plan.seconds(length)
     if turned:
-        seconds = _QUICK if aim.quick else _SLOW
+        seconds = _QUICK if aim.catching else _SLOW
     other = OTHER[side]
     return Next(
         side, walker.placed(to, side), None if stands else walker.placed(then, other), seconds
@@ -93,7 +95,7 @@ class _Plan:
     def __init__(self, walker: Walker, aim: Aim, goal: Foothold) -> None:
         self.aim, self.goal = aim, goal
         self.length = step_length(walker, aim.speed)
-        self.shuffles = aim.path.length < _SHUFFLE
+        self.shuffles = aim.catching or aim.path.length < _SHUFFLE
 
     def seconds(self, length: float) -> float:
         usual = self.length / self.aim.speed
@@ -111,7 +113,10 @@ class _Plan:
         """
         path, goal = self.aim.path, self.goal
         if self.shuffles:
-            return self._limited(goal, support, _TURN_ON_SPOT), True
+            way = math.hypot(goal.x - support.x, goal.y - support.y)
+            share = min(1.0, _SIDEWAYS / way) if way > 0.0 else 1.0
+            x, y = support.x + share * (goal.x - support.x), support.y + share * (goal.y - support.y)
+            return self._limited(Foothold(x, y, goal.yaw), support, _TURN_ON_SPOT), True
         s = path.nearest(support.x, support.y)
         rest = path.length - s
         if rest < 0.02:
@@ -147,7 +152,7 @@ def _final_heading(walker: Walker, aim: Aim) -> float:
 def _first(walker: Walker, aim: Aim, goal: Foothold, here: dict[str, Foothold]) -> str:
     """The foot that begins: that on the side to which the person turns, or goes sideways."""
     yaw = walker.centre.yaw
-    if aim.path.length >= _SHUFFLE:
+    if aim.path.length >= _SHUFFLE and not aim.catching:
         ahead = aim.path.heading(0.3)
         turn = wrapped((yaw if ahead is None else ahead) - yaw)
         if abs(turn) > 0.2:

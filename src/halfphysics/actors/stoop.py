@@ -33,6 +33,11 @@ class Stoop:
         """How far the trunk leans [rad]."""
         return self._lean.value
 
+    @property
+    def pitch(self) -> float:
+        """How far the chest is turned forwards [rad]."""
+        return self._lean.value * math.cos(self._aside.value) + 0.5 * self._sink.value
+
     def advance(self, dt: float, need: tuple[float, Vec, Vec, float, float] | None) -> None:
         """Go on by `dt` [s].
 

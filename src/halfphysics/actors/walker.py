@@ -174,6 +174,12 @@ class Walker:
         self._knot = _Knot((at.x, at.y, at.yaw))
         self._knot.height = self._limit(0.0) - _BENT
 
+    def stand_on(self, left: Foothold, right: Foothold) -> None:
+        """Stand on two footholds, at once."""
+        self.stand_at(Foothold(*_middle(left, right)))
+        self._feet = {"left": Foot(left), "right": Foot(right)}
+        self._knot.height = self._limit(0.0) - _BENT
+
     # -- Steps
 
     def step(self, side: str, to: Foothold, then: Foothold | None, seconds: float) -> None:

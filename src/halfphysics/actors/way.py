@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.actors.foot import Foothold
+from halfphysics.actors.passersby import Passersby
 from halfphysics.actors.path import Path, Point
 from halfphysics.actors.route import route
 from halfphysics.actors.steps import Aim, Next, next_step, stopping
@@ -29,17 +30,20 @@ Array = NDArray[np.float64]
 
 #: A person this far behind its reference [m] that comes on at less than this share of its speed
 #: for this long [s] is blocked.
-BEHIND, SLOW, PATIENCE = 0.08, 0.35, 0.4
+BEHIND, SLOW, PATIENCE = 0.05, 0.35, 0.5
+#: From `BEHIND` to this far behind [m] the reference slows down until it waits for its body.
+WAITS = 0.2
 #: A standing person this far from its reference [m] takes a step.
 PUSHED = 0.10
 # How long it waits before it goes round [s], before it tries again, and before it comes back.
 _WAIT, _AGAIN, _SETTLE = 0.9, 2.0, 0.7
+# Who is blocked steps back from where its body is [m].
+_BACK = 0.35
 # It comes back from this far [m].
 _HOME = 0.02
-# What it touched is this far around the contact [m], and is remembered so long [s].
-_AROUND, _REMEMBERED = 0.25, 12.0
-# People this near to the way ahead make it look for another one; so far it looks [m].
-_PEOPLE, _AHEAD = 0.55, 1.6
+# What it touched is thought to be this far around the contact [m], farther each time, and is
+# remembered so long [s].
+_AROUND, _REMEMBERED = 0.2, 12.0
 
 
 class Way:
@@ -62,7 +66,10 @@ class Way:
         self._home = self._walker.centre
         self._held, self._wait, self._calm = 0.0, 0.0, 0.0
         self._met: list[tuple[Array, float]] = []
-        self._last: tuple[Array, float] | None = None
+        self._last: Array | None = None
+        self._slowed = 1.0
+        self._others = Passersby()
+        self._retreat: Array | None = None
         #: How often it was blocked on the way to its goal.
         self.blocked = 0
 
@@ -99,7 +106,7 @@ class Way:
     def go(self, to: Point, heading: float | None, speed: float) -> None:
         """Go to a place, from the next step on."""
         self._goal, self._aim = (to, heading, speed), None
-        self._catching, self._wait, self.blocked = False, 0.0, 0
+        self._catching, self._wait, self.blocked, self._retreat = False, 0.0, 0, None
 
     def stop(self) -> None:
         """Stand as soon as feet allow."""
@@ -119,7 +126,7 @@ class Way:
         """
         self._notice(dt, seen, body, offset)
         walker = self._walker
-        if walker.advance(dt):
+        if walker.advance(dt * self._slowed):
             walker.land()
         if walker.stepping or not free:
             return
@@ -150,8 +157,10 @@ class Way:
     def _stand(self, offset: Array) -> None:
         """What a person does who stands and is to go nowhere now."""
         centre, home = self._walker.centre, self._home
-        away = math.hypot(*offset)
-        if away > PUSHED:
+        if self._retreat is not None:
+            (x, y), self._retreat = self._retreat, None
+            self._to(Point(float(x), float(y)), centre.yaw)
+        elif math.hypot(*offset) > PUSHED:
             self._calm = 0.0
             self._to(Point(centre.x + float(offset[0]), centre.y + float(offset[1])), centre.yaw)
         elif self._goal is None and self._calm > _SETTLE:
@@ -161,7 +170,7 @@ class Way:
 
     def _to(self, place: Point, yaw: float) -> None:
         centre = self._walker.centre
-        self._aim = Aim(Path([Point(centre.x, centre.y), place]), yaw, 1.0, quick=True)
+        self._aim = Aim(Path([Point(centre.x, centre.y), place]), yaw, 1.0, catching=True)
         self._catching = True
 
     # -- Noticing
@@ -169,8 +178,10 @@ class Way:
     def _notice(self, dt: float, seen: Seen, body: Array, offset: Array) -> None:
         self._wait = max(0.0, self._wait - dt)
         self._calm += dt
+        self._others.notice(dt, seen)
         self._met = [(at, left - dt) for at, left in self._met if left > dt]
-        last, self._last = self._last, (body, seen.time)
+        last, self._last = self._last, body
+        self._slowed = 1.0
         if self._aim is None or self._catching or last is None or not self._walker.stepping:
             self._held = 0.0
             return
@@ -179,22 +190,28 @@ class Way:
         if wanted < 0.1:
             return
         way = np.array(speed) / wanted
-        came = float((body - last[0]) @ way) / dt
-        if float(offset @ way) < -BEHIND and came < SLOW * wanted:
+        behind = -float(offset @ way)
+        came = float((body - last) @ way) / dt
+        if behind > BEHIND and came < SLOW * wanted:
             self._held += dt
         else:
             self._held = max(0.0, self._held - 2.0 * dt)
+        self._slowed = min(max((WAITS - behind) / (WAITS - BEHIND), 0.0), 1.0)
         if self._held > PATIENCE:
             self._is_blocked(seen, body, way)
 
     def _is_blocked(self, seen: Seen, body: Array, way: Array) -> None:
-        self._held, self._aim = 0.0, None
+        self._held, self._aim, self._slowed = 0.0, None, 1.0
+        self._retreat = body - _BACK * way
         self.blocked += 1
         self._wait = _WAIT if self.blocked < 3 else _AGAIN
         touched = seen.touched_at
         places = touched[:, :2] if len(touched) else (body + 0.35 * way)[None]
-        for at in places[:8]:
-            self._met.append((at + _AROUND * way, _REMEMBERED))
+        around = _AROUND * self.blocked
+        side = np.array([-way[1], way[0]])
+        for at in places[:4]:
+            for across in (-around, 0.0, around):
+                self._met.append((at + _AROUND * way + across * side, _REMEMBERED))
 
     def _look_ahead(self, seen: Seen) -> None:
         """Find the way, or another one where people are in it."""
@@ -202,25 +219,15 @@ class Way:
         to, heading, speed = self._goal
         centre = self._walker.centre
         here = Point(centre.x, centre.y)
-        if self._aim is not None and not self._people_ahead(seen, self._aim.path, here):
+        if self._aim is not None and not self._others.in_the_way(self._aim.path, here):
             return
-        moving = self._plan.moving(seen, [at for at, _ in self._met])
+        met = (at for at, _ in self._met)
+        moving = self._plan.moving(seen, [*self._others.places(here), *met])
         path = route(self._plan, here, to, moving)
         if path is None:
             self._aim, self._wait = None, _AGAIN
             return
         self._aim = Aim(path, heading, speed)
-
-    def _people_ahead(self, seen: Seen, path: Path, here: Point) -> bool:
-        """Whether somebody stands on the way ahead."""
-        if not seen.others:
-            return False
-        at = path.nearest(*here)
-        ahead = [path.at(at + d) for d in np.arange(0.4, _AHEAD, 0.3)]
-        return any(
-            min(math.dist(other.pelvis[:2], place) for place in ahead) < _PEOPLE
-            for other in seen.others.values()
-        )
 
     @property
     def home(self) -> Foothold:

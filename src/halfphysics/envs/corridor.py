@@ -1,8 +1,8 @@
 """Corridor: a robot passes a person who walks towards it in a corridor.
 
-The robot has to get to the far end. The person walks the other way in a lane of its own; some people
-step aside for a robot in their way, some do not. The robot has done well when it is there and nobody
-was pushed, stopped or crowded.
+The robot has to get to the far end. The person walks the other way in a lane of its own; some
+people step aside for a robot in their way, some do not. The robot has done well when it is there
+and nobody was pushed, stopped or crowded.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from halfphysics.body.body import Body
 from halfphysics.envs.bases import Bases, ahead, into, wrapped
 from halfphysics.envs.channels import XY, Channel, Layout
-from halfphysics.envs.robots import BASE_EFFORT, BASE_XML, efforts
+from halfphysics.envs.robots import BASE_EFFORT, BASE_XML, efforts, model_of
 from halfphysics.envs.task import Flags, Outcome, Task, View
 from halfphysics.envs.walkers import FASTEST, Walkers
 from halfphysics.envs.worlds import Plan
@@ -60,7 +60,9 @@ class Corridor(Task):
         Channel(f"turning to the left, times {TURN} rad/s", "", -1, 1),
     )
     human_observed: ClassVar = Layout(
-        Channel("place of the pelvis: along its way, and to the left of the middle", "m", -6, 6, XY),
+        Channel(
+            "place of the pelvis: along its way, and to the left of the middle", "m", -6, 6, XY
+        ),
         Channel("velocity, along its way and to the left", "m/s", -3.0, 3.0, XY),
         Channel("robot from the pelvis, along its way and to the left", "m", -8.0, 8.0, XY),
         Channel("velocity of the robot, likewise", "m/s", -3.0, 3.0, XY),
@@ -89,7 +91,7 @@ class Corridor(Task):
         for name, side in (("left_wall", 1.0), ("right_wall", -1.0)):
             wall = Box((2.0 * HALF_LENGTH, 0.1, 0.9))
             scene.add_static(name, wall, position=(0.0, side * (HALF_WIDTH + 0.05), 0.45))
-        scene.add_articulated("robot", BASE_XML, friction=0.3)
+        scene.add_articulated("robot", model_of(BASE_XML), friction=0.3)
         return Plan(
             scene=scene,
             bodies=(self.body,),

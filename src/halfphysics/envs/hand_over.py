@@ -2,8 +2,8 @@
 
 The robot holds a cup between its fingers. The person comes to take it once it is offered within
 reach and slowly: the palm goes under the cup and, once there, holds it. The robot lets go, and has
-done well when the person has the cup alone. A cup that falls and a person who is pushed hard end the
-episode.
+done well when the person has the cup alone. A cup that falls and a person who is pushed hard end
+the episode.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from halfphysics.body.body import Body
 from halfphysics.envs.channels import XYZ, Channel, Layout
 from halfphysics.envs.reachers import Reachers
-from halfphysics.envs.robots import ARM, ARM_XML, efforts
+from halfphysics.envs.robots import ARM, ARM_XML, efforts, model_of
 from halfphysics.envs.task import Flags, Outcome, Task, View
 from halfphysics.envs.worlds import Plan
 from halfphysics.geometry.shapes import Cylinder, Plane
@@ -46,6 +46,8 @@ APART = 0.10
 _WORKSPACE = np.array([[0.30, -0.55, 0.60], [0.92, 0.55, 1.50]])
 #: The palm's middle below the cup's middle [m].
 _UNDER = 0.5 * HEIGHT + 0.012
+# Where a hand that has the cup draws back to, the wrist in the person's frame (3,) [m].
+_HOME = COMFORT - np.array([0.14, 0.0, 0.02 + _UNDER])
 _TURN = np.array([-1.0, -1.0, 1.0])  # between the world's axes and those of the robot
 
 
@@ -104,7 +106,11 @@ class HandOver(Task):
         scene = Scene()
         scene.add_static("floor", Plane())
         scene.add_articulated(
-            "robot", ARM_XML, position=ROBOT_AT, quaternion=(0.0, 0.0, 0.0, 1.0), friction=1.0
+            "robot",
+            model_of(ARM_XML),
+            position=ROBOT_AT,
+            quaternion=(0.0, 0.0, 0.0, 1.0),
+            friction=1.0,
         )
         scene.add_object("cup", Cylinder(RADIUS, HEIGHT), mass=MASS, position=(0.6, 0.0, 1.1))
         scene.friction("cup", "robot", 1.0)
@@ -162,7 +168,7 @@ class HandOver(Task):
         wants = ready & ((away < OFFERED) & slow | self._held)
         under = self._seen["cup"] - [0.0, 0.0, _UNDER]
         near = people.from_world(under - self._seen["palm"])
-        home = np.broadcast_to(COMFORT + [-0.14, 0.0, -0.02 - _UNDER], (n, 3))
+        home = np.broadcast_to(_HOME, (n, 3))
         back = home - people.wrist
         goal = np.where(self._held[:, None], 0.6 * back, near)
         rest = people.hangs - people.wrist
@@ -195,7 +201,9 @@ class HandOver(Task):
         far, spread = self._distance(), self._fingers()
         offered = (far < OFFERED) & (_length(self._moving["cup"]) < SLOW)
         self._waited = np.where(offered, self._waited + dt, np.where(self._held, self._waited, 0.0))
-        force = _length(self.worlds.force("person", "robot") + self.worlds.force("person", "fingers"))
+        force = _length(
+            self.worlds.force("person", "robot") + self.worlds.force("person", "fingers")
+        )
         apart = _length(self._seen["cup"] - self._seen["middle"])
         alone = self._held & (self.worlds.load("cup", "fingers") == 0.0) & (apart > APART)
         terms = {

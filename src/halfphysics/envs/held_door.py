@@ -1,9 +1,9 @@
 """HeldDoor: a robot holds a door for a person who wants through, and pushes if it is not held.
 
-The door swings towards the robot's side and closes by itself. The robot's fork is around the handle:
-it can pull the door open and let it close. The person walks up to the door from the other side; some
-people wait in front of a closed door, some push it with a hand, and so the robot. The robot has done
-well when the person is through.
+The door swings towards the robot's side and closes by itself. The robot's fork is around the
+handle: it can pull the door open and let it close. The person walks up to the door from the other
+side; some people wait in front of a closed door, some push it with a hand, and so the robot. The
+robot has done well when the person is through.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from halfphysics.body.body import Body
 from halfphysics.envs.bases import Bases, into
 from halfphysics.envs.channels import XY, Channel, Layout
-from halfphysics.envs.robots import BASE_EFFORT, FORK, HOLDER_XML, efforts
+from halfphysics.envs.robots import BASE_EFFORT, FORK, HOLDER_XML, efforts, model_of
 from halfphysics.envs.task import Flags, Outcome, Task, View
 from halfphysics.envs.walkers import FASTEST, Walkers
 from halfphysics.envs.worlds import Plan
@@ -107,8 +107,8 @@ class HeldDoor(Task):
         for name, side in (("left_wall", 1.0), ("right_wall", -1.0)):
             wall = Box((0.10, 1.0, 2.1))
             scene.add_static(name, wall, position=(0.0, side * (0.48 + 0.5), 1.05))
-        scene.add_articulated("door", _DOOR, position=(*HINGE, 0.0), friction=0.4)
-        scene.add_articulated("robot", HOLDER_XML, friction=0.4)
+        scene.add_articulated("door", model_of(_DOOR), position=(*HINGE, 0.0), friction=0.4)
+        scene.add_articulated("robot", model_of(HOLDER_XML), friction=0.4)
         return Plan(
             scene=scene,
             bodies=(self.body,),

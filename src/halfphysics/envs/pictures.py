@@ -38,8 +38,6 @@ def picture(task: Task, i: int = 0, size: tuple[int, int] = SIZE) -> NDArray[np.
     drawing = Drawing(cast("Result", task.worlds.moment(i)))
     surfaces = drawing.surfaces(0)
     view = task.view
-    camera = Camera(
-        position=np.array(view.position), target=np.array(view.target), fov=view.fov
-    )
+    camera = Camera(position=np.array(view.position), target=np.array(view.target), fov=view.fov)
     look = Look().aimed(camera, drawing.middle)
     return np.asarray(render(list(surfaces.values()), camera, size, look=look), dtype=np.uint8)

@@ -1,7 +1,7 @@
 """Policies without learning, for every task: by chance, and scripted by hand; and their scores.
 
-A policy takes the observations of N robots (N, O), as docs/envs.md has them, and gives their actions
-(N, A).
+A policy takes the observations of N robots (N, O), as docs/envs.md has them, and gives their
+actions (N, A).
 """
 
 from __future__ import annotations

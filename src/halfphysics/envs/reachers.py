@@ -110,9 +110,7 @@ class Reachers:
     def targets(self) -> Array:
         """Rows of targets (N, K)."""
         rise = ease((self.wrist[:, 2] - self.hangs[2]) / _TURNS_OVER)
-        turn = rot.normalize(
-            (1.0 - rise)[:, None] * self._hanging + rise[:, None] * self._offered
-        )
+        turn = rot.normalize((1.0 - rise)[:, None] * self._hanging + rise[:, None] * self._offered)
         solved = arms.solve(
             self._arm,
             self._collar,

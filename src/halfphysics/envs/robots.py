@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -119,6 +119,14 @@ ARM = Arm()
 
 #: The most that the motors of a base exert: x, y [N], yaw [N m].
 BASE_EFFORT: Mapping[str, float] = {"x": 120.0, "y": 120.0, "yaw": 40.0}
+
+
+def model_of(xml: str) -> Any:
+    """A `mujoco.MjSpec` of our own MJCF: `Scene.add_articulated` reads it in this process, where
+    text and files of strangers are read in one apart."""
+    import mujoco
+
+    return mujoco.MjSpec.from_string(xml)
 
 
 def efforts(name: str, effort: Mapping[str, float]) -> dict[str, float]:

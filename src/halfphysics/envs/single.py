@@ -63,9 +63,7 @@ class SingleEnv(gymnasium.Env):  # type: ignore[misc]
         self.task.begin(0)
         return self.task.observe()[0], {}
 
-    def step(
-        self, action: Any
-    ) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
+    def step(self, action: Any) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
         """One step of 1/30 s; see docs/envs.md for what the numbers mean.
 
         Raises:

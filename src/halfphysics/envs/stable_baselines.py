@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.base.optional_package import optional
 from halfphysics.base.machine import cores
+from halfphysics.base.optional_package import optional
 from halfphysics.envs.pictures import picture
 from halfphysics.envs.single import checked_actions
 from halfphysics.envs.tasks import task_class

@@ -8,9 +8,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.machine import cores
 from halfphysics.base.optional_package import optional
 from halfphysics.base.validation import is_whole, shown
-from halfphysics.base.machine import cores
 from halfphysics.envs.pictures import SIZE, picture
 from halfphysics.envs.single import checked_actions, checked_render_mode
 from halfphysics.envs.tasks import task_class

@@ -116,7 +116,7 @@ class Walkers:
         turned = np.abs(told[:2] / max(np.hypot(*told[:2]), 1e-9) - way[:2] / _AHEAD).max()
         if short or not turned < _DIFFERS or not abs(told[2] - speed) < _DIFFERS:
             person.walk(Point(x + way[0], y + way[1]), None, min(speed, FASTEST))
-            self._told[i] = way + [x, y, 0.0]
+            self._told[i] = way[0] + x, way[1] + y, speed
 
     def _sight(self, i: int) -> Seen:
         """What person `i` sees and feels."""

@@ -68,7 +68,7 @@ class HandOver(Task):
         Channel("the person's comfortable place from the cup", "m", -3.0, 3.0, XYZ),
         Channel("the person holds the cup", "", 0.0, 1.0),
         Channel("the fingers touch the cup", "", 0.0, 1.0),
-        Channel("contact force on the person but for its feet", "100 N", 0.0, 5.0),
+        Channel("contact force on the person and the cup it holds", "100 N", 0.0, 5.0),
         Channel("part of the longest episode that has passed", "", 0.0, 1.0),
     )
     actions: ClassVar = Layout(
@@ -94,7 +94,7 @@ class HandOver(Task):
         "robot's hand",
         "take": "1 when the person takes the cup",
         "let_go": "2 per metre by which the fingers open while the person holds the cup",
-        "force": "-0.002 per newton of contact force on the person by the robot, each step",
+        "force": "-0.002 per newton of contact force on the person and the cup it holds, each step",
         "time": "-0.01 each step",
         "done": "5 when the person has the cup alone, 10 cm away from the fingers",
         "dropped": "-3 when the cup is lower than 60 cm",
@@ -201,9 +201,7 @@ class HandOver(Task):
         far, spread = self._distance(), self._fingers()
         offered = (far < OFFERED) & (_length(self._moving["cup"]) < SLOW)
         self._waited = np.where(offered, self._waited + dt, np.where(self._held, self._waited, 0.0))
-        force = _length(
-            self.worlds.force("person", "robot") + self.worlds.force("person", "fingers")
-        )
+        force = self._pressed()
         apart = _length(self._seen["cup"] - self._seen["middle"])
         alone = self._held & (self.worlds.load("cup", "fingers") == 0.0) & (apart > APART)
         terms = {
@@ -284,9 +282,11 @@ class HandOver(Task):
         return 0.5 * (motors[:, 0, 4] + motors[:, 0, 5])
 
     def _pressed(self) -> Array:
-        """Force on the people by robot and cup (N,) [N]."""
-        by = [self.worlds.force("person", name) for name in ("robot", "fingers", "cup")]
-        return _length(by[0] + by[1] + by[2])
+        """Force on the people and what they hold, by robot and cup (N,) [N]."""
+        force = self.worlds.force
+        direct = force("person", "robot") + force("person", "fingers") + force("person", "cup")
+        through = force("cup", "robot") + force("cup", "fingers")
+        return _length(direct + np.where(self._held[:, None], through, 0.0))
 
     def _grasp(self, takes: Flags, active: Flags) -> None:
         """Hands that take what lies on them hold it from now on."""

@@ -21,26 +21,27 @@ def main(steps: int = 150_000, episodes: int = 64, worlds: int = 16) -> dict[str
     """Name of a policy -> its score over episodes that nobody learned from."""
     import torch
     from stable_baselines3 import PPO
+    from stable_baselines3.common.vec_env import VecNormalize
 
     from halfphysics.envs.stable_baselines import StableVecEnv
 
     torch.set_num_threads(1)
-    env = StableVecEnv(TASK, worlds, seed=0)
+    env = VecNormalize(StableVecEnv(TASK, worlds, seed=0), gamma=0.97)
     model = PPO(
         "MlpPolicy",
         env,
-        n_steps=256,
-        batch_size=512,
-        n_epochs=8,
-        gamma=0.98,
-        learning_rate=6e-4,
-        policy_kwargs={"log_std_init": -0.7},
+        n_steps=64,
+        batch_size=256,
+        n_epochs=10,
+        gamma=0.97,
+        learning_rate=1e-3,
+        policy_kwargs={"log_std_init": -0.5},
         seed=0,
         device="cpu",
     )
 
     def learned(seen):
-        return model.predict(seen, deterministic=True)[0]
+        return model.predict(env.normalize_obs(seen), deterministic=True)[0]
 
     found = {}
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from halfphysics.envs import policies
-from halfphysics.envs.hand_over import COMFORT, DROPPED, HandOver
+from halfphysics.envs.hand_over import COMFORT, DROPPED, RADIUS, HandOver
+from halfphysics.envs.robots import ARM
 
 
 def run(policy, episodes=1, seed=5):
@@ -68,9 +69,12 @@ def test_a_person_who_is_pushed_hard_is_noticed():
     task = HandOver(1)
     task.seed(0, 3)
     task.begin(0)
-    # A person who stands much nearer than usual.
-    pose = task.people.start(0, np.array([0.25, 0.05]), 0.0)
-    task.worlds.start(0, [pose], {"robot/lift": 0.3, "robot/elbow": 1.5, "robot/wrist": -0.23})
+    # The same, but for a person who stands much nearer than usual.
+    pose = task.people.start(0, np.array([0.15, 0.05]), 0.0)
+    angles = dict(zip(ARM.joints, ARM.reach(task._point)[0], strict=True))
+    joints = {f"robot/{name}": float(angle) for name, angle in angles.items()}
+    joints |= {"robot/left": RADIUS + 0.0015, "robot/right": RADIUS + 0.0015}
+    task.worlds.start(0, [pose], joints, {"cup": (task._seen["cup"][0], (1, 0, 0, 0))})
     worst = 0.0
     while not task.over[0]:
         outcome, _ = task.step(charge(task.observe()), np.zeros((1, 4)))

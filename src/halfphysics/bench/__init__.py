@@ -117,6 +117,12 @@ CASES: Mapping[str, tuple[str, str, str]] = MappingProxyType(
             "8 clips together at a wall, processor time of all threads; and by the clock. "
             "Baseline: simulate, clip after clip",
         ),
+        "envs": (
+            "envs",
+            "envs",
+            "environments of robots and people, 16 side by side on all cores, by the clock; "
+            "no baseline",
+        ),
         "instructions": (
             "instructions",
             "instructions",

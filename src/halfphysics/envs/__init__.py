@@ -13,6 +13,7 @@ docs/envs.md.
 
 from __future__ import annotations
 
+import importlib.util
 from typing import Any
 
 from halfphysics.base.optional_package import optional
@@ -54,4 +55,6 @@ def parallel_env(task: str, **options: Any) -> Any:
     return ParallelEnv(task, **options)
 
 
-register()
+# Who has no gymnasium can still use the tasks and their policies.
+if importlib.util.find_spec("gymnasium") is not None:
+    register()

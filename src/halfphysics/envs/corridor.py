@@ -42,7 +42,7 @@ class Corridor(Task):
     """See the module."""
 
     steps = 360
-    view = View((-1.2, -6.0, 4.6), (0.0, 0.0, 0.5), 48.0)
+    view = View((-2.2, -3.4, 4.4), (0.3, 0.0, 0.4), 52.0)
     observed: ClassVar = Layout(
         Channel("goal, in the robot's frame (x ahead, y left)", "m", -6.0, 6.0, XY),
         Channel("heading of the robot: cosine, sine", "", -1.0, 1.0, ("cos", "sin")),

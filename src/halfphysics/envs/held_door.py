@@ -57,7 +57,7 @@ class HeldDoor(Task):
     """See the module."""
 
     steps = 300
-    view = View((3.4, -3.6, 2.6), (0.2, 0.1, 0.8), 42.0)
+    view = View((3.9, -2.0, 2.7), (0.1, 0.15, 0.85), 42.0)
     observed: ClassVar = Layout(
         Channel("opening of the door", "rad", -0.1, 2.0),
         Channel("its velocity", "rad/s", -5.0, 5.0),

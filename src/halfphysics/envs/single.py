@@ -44,7 +44,7 @@ class SingleEnv(gymnasium.Env):  # type: ignore[misc]
     ) -> None:
         self.render_mode = checked_render_mode(render_mode)
         self.task = task_class(task)(1, steps=steps)
-        self.size = size
+        self.size, self._seeded = size, False
         self.observation_space = self.task.observed.space()
         self.action_space = self.task.actions.space()
 
@@ -58,8 +58,9 @@ class SingleEnv(gymnasium.Env):  # type: ignore[misc]
         super().reset(seed=seed)
         if seed is not None:
             self.task.seed(0, seed)
-        elif not self._np_random_seed_known():
+        elif not self._seeded:
             self.task.seed(0, int(self.np_random.integers(2**31)))
+        self._seeded = True
         self.task.begin(0)
         return self.task.observe()[0], {}
 
@@ -85,12 +86,6 @@ class SingleEnv(gymnasium.Env):  # type: ignore[misc]
     def render(self) -> NDArray[np.uint8] | None:
         """A picture (H, W, 3) of the episode as it is now; None without a render mode."""
         return picture(self.task, 0, self.size) if self.render_mode == "rgb_array" else None
-
-    def _np_random_seed_known(self) -> bool:
-        """Whether episodes follow a seed already."""
-        known = getattr(self, "_seeded", False)
-        self._seeded = True
-        return known
 
 
 def checked_render_mode(mode: Any) -> str | None:

@@ -73,7 +73,7 @@ class VectorEnv(_vector.VectorEnv):  # type: ignore[misc]
         self.single_action_space = self.task.actions.space()
         self.observation_space = _utils.batch_space(self.single_observation_space, num_envs)
         self.action_space = _utils.batch_space(self.single_action_space, num_envs)
-        self._seeded = False
+        self._seeded = np.zeros(num_envs, dtype=bool)
 
     def reset(
         self,
@@ -97,6 +97,9 @@ class VectorEnv(_vector.VectorEnv):  # type: ignore[misc]
             if mask[i]:
                 if s is not None:
                     self.task.seed(i, s)
+                elif not self._seeded[i]:
+                    self.task.seed(i, int(self.np_random.integers(2**31)))
+                self._seeded[i] = True
                 self.task.begin(i)
         return self.task.observe(), {}
 
@@ -118,7 +121,7 @@ class VectorEnv(_vector.VectorEnv):  # type: ignore[misc]
         task = self.task
         given = checked_actions(actions, (self.num_envs, task.actions.size))
         again = task.over.copy()
-        if again.any() and (self._mode is not AutoresetMode.NEXT_STEP or not self._seeded):
+        if again.any() and (self._mode is not AutoresetMode.NEXT_STEP or not self._seeded.all()):
             which = ", ".join(map(str, np.flatnonzero(again)[:8]))
             raise InputError(f"step: episodes {which} are over, or have not begun; call reset()")
         outcome, late = task.step(given)
@@ -161,13 +164,10 @@ class VectorEnv(_vector.VectorEnv):  # type: ignore[misc]
             raise InputError(
                 f"reset_mask: found {shown(mask)}, expected {self.num_envs} times True or False"
             )
-        self._seeded = self._seeded or bool(mask.all())
         return mask
 
     def _seeds(self, seed: Any) -> list[int | None]:
         if seed is None:
-            if not self._begun():
-                return [int(s) for s in self.np_random.integers(2**31, size=self.num_envs)]
             return [None] * self.num_envs
         if is_whole(seed, least=0):
             return [int(seed) + i for i in range(self.num_envs)]
@@ -178,8 +178,3 @@ class VectorEnv(_vector.VectorEnv):  # type: ignore[misc]
                 f"{self.num_envs} of them"
             )
         return [None if s is None else int(s) for s in seeds]
-
-    def _begun(self) -> bool:
-        """Whether every episode has had a seed."""
-        known, self._had_seed = getattr(self, "_had_seed", False), True
-        return bool(known)

@@ -136,7 +136,9 @@ class Figure:
         }
         #: Elbow from shoulder, by side.
         self.upper = {
-            side: vec(joints[self.arms[side].joints[1]] - joints[self.arms[side].joints[0]])
+            side: vec(
+                joints[self.arms[side].joints[1]] - joints[self.arms[side].joints[0]]
+            )
             for side in SIDES
         }
         #: Head from the third joint of the spine.

@@ -194,7 +194,9 @@ class Reach:
         joints = []
         for now, then, held in zip(swinging[1:], angles, self._ranges, strict=True):
             first = held.angles(now)
-            joints.append(from_swing_twist(plus(first, plus(then, first, -1.0), share), held.axes))
+            joints.append(
+                from_swing_twist(plus(first, plus(then, first, -1.0), share), held.axes)
+            )
         return ArmTurns(swinging.collar, *joints)
 
     def _solved(

@@ -115,10 +115,7 @@ class _Plan:
         if self.shuffles:
             way = math.hypot(goal.x - support.x, goal.y - support.y)
             share = min(1.0, _SIDEWAYS / way) if way > 0.0 else 1.0
-            x, y = (
-                support.x + share * (goal.x - support.x),
-                support.y + share * (goal.y - support.y),
-            )
+            x, y = support.x + share * (goal.x - support.x), support.y + share * (goal.y - support.y)
             return self._limited(Foothold(x, y, goal.yaw), support, _TURN_ON_SPOT), True
         s = path.nearest(support.x, support.y)
         rest = path.length - s

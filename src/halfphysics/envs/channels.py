@@ -49,7 +49,8 @@ class Layout:
         """Numbers (N, size) from columns (N,) or (N, k), in the channels' order, within their
         ranges."""
         joined = np.concatenate([c if c.ndim == 2 else c[:, None] for c in columns], axis=1)
-        return np.clip(joined, self.low, self.high).astype(np.float32)
+        out: NDArray[np.float32] = np.clip(joined, self.low, self.high).astype(np.float32)
+        return out
 
     def checked(self, values: Any) -> Array:
         """Actions (N, size) within their ranges; what is not finite counts as 0."""

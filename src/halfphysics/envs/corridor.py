@@ -127,12 +127,13 @@ class Corridor(Task):
     # -- one step --------------------------------------------------------------------------
 
     def human(self) -> Array:
-        """Walks along its lane; who yields goes to the right of a robot that comes near."""
+        """Walks along its lane; who yields gives way to a robot that comes near, on its own side."""
         place, robot = self.people.place, self.worlds.motors[:, 0, :2]
         between = place - robot
         in_way = (between[:, 0] > -0.3) & (between[:, 0] < 2.5) & (np.abs(between[:, 1]) < 0.8)
-        # To the person's right is y: it walks against x.
-        lane = np.where(self._yields & in_way, robot[:, 1] + 0.9, self._lane)
+        # In the middle it goes to its right, which is y: it walks against x.
+        side = np.where(between[:, 1] > -0.15, 0.9, -0.9)
+        lane = np.where(self._yields & in_way, robot[:, 1] + side, self._lane)
         lane = np.clip(lane, -HALF_WIDTH + 0.35, HALF_WIDTH - 0.35)
         swerve = np.arctan2(place[:, 1] - lane, 1.0) / _SWERVE
         arrived = place[:, 0] < -HALF_LENGTH + 0.8

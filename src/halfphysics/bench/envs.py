@@ -35,8 +35,8 @@ def _measured(
     for timed in range(1 + options.repeats):
         begin = time.perf_counter()
         for _ in range(steps):
-            for i in np.flatnonzero(run.over):
-                run.begin(int(i))
+            for i in map(int, np.flatnonzero(run.over)):
+                run.begin(i)
             run.step(policy(run.observe()))
             ended += int(run.over.sum()) if timed else 0
         rates.append(WORLDS * steps / (time.perf_counter() - begin))

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 #: How far the motors' rests may be ahead of the base [m], [rad]: what blocks it is then pushed with
 #: no more than that, and the base does not jump when it is free again.
@@ -28,7 +29,7 @@ class Bases:
         x, y, yaw = (float(v) for v in self.told[i])
         return {"robot/x": x, "robot/y": y, "robot/yaw": yaw}
 
-    def drive(self, now: Array, velocity: Array, dt: float, active: Array) -> Array:
+    def drive(self, now: Array, velocity: Array, dt: float, active: Flags) -> Array:
         """The rests (N, 3) after `dt` [s] at a velocity.
 
         Args:

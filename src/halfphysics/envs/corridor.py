@@ -127,7 +127,7 @@ class Corridor(Task):
     # -- one step --------------------------------------------------------------------------
 
     def human(self) -> Array:
-        """Walks along its lane; who yields gives way to a robot that comes near, on its own side."""
+        """Walks along its lane; who yields gives way to a robot in its way, on its side."""
         place, robot = self.people.place, self.worlds.motors[:, 0, :2]
         between = place - robot
         in_way = (between[:, 0] > -0.3) & (between[:, 0] < 2.5) & (np.abs(between[:, 1]) < 0.8)
@@ -215,7 +215,8 @@ class Corridor(Task):
         return _length(force)
 
     def _at_wall(self) -> Array:
-        return 1.0 * (self.worlds.load("robot", "walls") > 0.0)
+        touches: Array = np.where(self.worlds.load("robot", "walls") > 0.0, 1.0, 0.0)
+        return touches
 
     def turn_to(self, direction: Array) -> Array:
         """How far the robots would have to turn to face directions (N, 2) [rad]."""

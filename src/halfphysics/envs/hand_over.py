@@ -234,8 +234,8 @@ class HandOver(Task):
             seen["palm"] - seen["cup"],
             moving["palm"],
             self._comfort() - seen["cup"],
-            1.0 * self._held,
-            1.0 * (self.worlds.load("cup", "fingers") > 0.0),
+            np.where(self._held, 1.0, 0.0),
+            np.where(self.worlds.load("cup", "fingers") > 0.0, 1.0, 0.0),
             self._pressed() / 100.0,
             self.time * self.fps / self.steps,
         )
@@ -250,8 +250,8 @@ class HandOver(Task):
             own(seen["cup"] - seen["palm"]),
             own(moving["cup"]),
             own(seen["middle"] - seen["palm"]),
-            1.0 * self._held,
-            1.0 * (self.worlds.load("cup", "fingers") > 0.0),
+            np.where(self._held, 1.0, 0.0),
+            np.where(self.worlds.load("cup", "fingers") > 0.0, 1.0, 0.0),
             self.time * self.fps / self.steps,
         )
 

@@ -152,7 +152,8 @@ class HeldDoor(Task):
         speed = np.where(place[:, 0] > THROUGH + 1.0, 0.0, speed)
         hand = np.where(near & shut & self._pushes, 1.0, -1.0)
         told = np.stack([2.0 * speed / FASTEST - 1.0, swerve, hand], axis=1)
-        return np.clip(told, -1.0, 1.0)
+        out: Array = np.clip(told, -1.0, 1.0)
+        return out
 
     def act(self, actions: Array, commands: Array, active: Flags) -> tuple[Array, Array]:
         now = self.worlds.motors[:, 0]
@@ -235,7 +236,8 @@ class HeldDoor(Task):
     def _opening(self) -> Array:
         """Of the doors (N,) [rad]."""
         quat = self.worlds.place("door/panel")[:, 3:]
-        return 2.0 * np.arctan2(quat[:, 3], quat[:, 0])
+        opening: Array = 2.0 * np.arctan2(quat[:, 3], quat[:, 0])
+        return opening
 
     def _in_fork(self) -> Array:
         """The handles from the middles of the forks, in the robots' frames (N, 2) [m]."""

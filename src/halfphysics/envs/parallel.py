@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,13 +14,13 @@ from halfphysics.envs.single import checked_actions, checked_render_mode
 from halfphysics.envs.tasks import task_class
 from halfphysics.errors import InputError
 
-_pettingzoo = optional("pettingzoo", "environments of several agents", "rl")
+_Env: Any = optional("pettingzoo", "environments of several agents", "rl").ParallelEnv
 
 #: The agents of every task.
 AGENTS = ("robot", "human")
 
 
-class ParallelEnv(_pettingzoo.ParallelEnv):  # type: ignore[misc]
+class ParallelEnv(_Env):  # type: ignore[misc]
     """A task as a `pettingzoo.ParallelEnv` with the agents "robot" and "human".
 
     Args:
@@ -31,7 +31,10 @@ class ParallelEnv(_pettingzoo.ParallelEnv):  # type: ignore[misc]
         InputError: A task or render mode that there is not, an impossible number.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": 30}
+    metadata: dict[str, Any] = {  # noqa: RUF012 - an instance has its own
+        "render_modes": ["rgb_array"],
+        "render_fps": 30,
+    }
 
     def __init__(
         self,

@@ -112,12 +112,12 @@ def score(
         outcome, _ = run.step(policy(run.observe()))
         sums[which[active]] += outcome.reward[active]
         lengths[which[active]] += 1
-        for i in np.flatnonzero(run.over & active):
+        for i in map(int, np.flatnonzero(run.over & active)):
             won[which[i]] = outcome.info["success"][i]
             if following < episodes:
                 which[i] = following
-                run.seed(int(i), seed + following)
-                run.begin(int(i))
+                run.seed(i, seed + following)
+                run.begin(i)
                 following += 1
     return Score(
         episodes, float(sums.mean()), float(sums.std()), float(won.mean()), float(lengths.mean())
@@ -167,7 +167,8 @@ def _held_door(seen: NDArray[np.float32]) -> Array:
     # The fork's arc about the hinge, in the robot's frame, and back to the handle where it is off.
     velocity = rate[:, None] * [-0.78, -0.53] + 3.0 * off
     turn = rate + 2.0 * np.sin(opening - heading)
-    return np.clip(np.concatenate([velocity / 0.6, turn[:, None]], axis=1), -1.0, 1.0)
+    out: Array = np.clip(np.concatenate([velocity / 0.6, turn[:, None]], axis=1), -1.0, 1.0)
+    return out
 
 
 _SCRIPTS: dict[str, Policy] = {

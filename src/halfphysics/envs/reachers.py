@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from halfphysics.envs.worlds import Worlds
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 #: Largest acceleration of a hand that is told to move [m/s^2].
 HASTE = 8.0
@@ -88,7 +89,7 @@ class Reachers:
         moved = np.array([*place, self._stands[2]]) - self._stands
         return Pose(self._pose.translation + moved, rotations, self._pose.axes)
 
-    def tell(self, velocity: Array, curl: Array, dt: float, active: Array) -> None:
+    def tell(self, velocity: Array, curl: Array, dt: float, active: Flags) -> None:
         """Move the hands of active people for `dt` [s].
 
         Args:

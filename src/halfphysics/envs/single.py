@@ -13,13 +13,13 @@ from halfphysics.envs.pictures import SIZE, picture
 from halfphysics.envs.tasks import task_class
 from halfphysics.errors import InputError
 
-gymnasium = optional("gymnasium", "environments", "rl")
+_Env: Any = optional("gymnasium", "environments", "rl").Env
 
 #: What `render_mode` can be.
 RENDER_MODES = ("rgb_array",)
 
 
-class SingleEnv(gymnasium.Env):  # type: ignore[misc]
+class SingleEnv(_Env):  # type: ignore[misc]
     """A task as a `gymnasium.Env`.
 
     Args:

@@ -15,9 +15,10 @@ from halfphysics.envs.single import checked_actions
 from halfphysics.envs.tasks import task_class
 
 _vec_env = optional("stable_baselines3.common.vec_env", "learners of stable-baselines3", "ppo")
+_VecEnv: Any = _vec_env.VecEnv
 
 
-class StableVecEnv(_vec_env.VecEnv):  # type: ignore[misc]
+class StableVecEnv(_VecEnv):  # type: ignore[misc]
     """N episodes of a task as stable-baselines3 wants them: episodes begin again at once.
 
     `infos` have "episode" (sum of rewards "r", length "l", "success") at the end of each, as its

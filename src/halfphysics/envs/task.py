@@ -109,7 +109,8 @@ class Task(ABC):
     @property
     def time(self) -> Array:
         """Seconds since the episodes began (N,)."""
-        return self._episodes.steps / self.fps
+        seconds: Array = self._episodes.steps / self.fps
+        return seconds
 
     def seed(self, i: int, seed: int) -> None:
         """All chance of episode `i` comes from this seed from now on."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,13 +16,13 @@ from halfphysics.envs.single import checked_actions, checked_render_mode
 from halfphysics.envs.tasks import task_class
 from halfphysics.errors import InputError
 
-gymnasium = optional("gymnasium", "environments", "rl")
 _vector = optional("gymnasium.vector", "environments", "rl")
+_Env: Any = _vector.VectorEnv
 _utils = optional("gymnasium.vector.utils", "environments", "rl")
 AutoresetMode = _vector.AutoresetMode
 
 
-class VectorEnv(_vector.VectorEnv):  # type: ignore[misc]
+class VectorEnv(_Env):  # type: ignore[misc]
     """A task as a `gymnasium.vector.VectorEnv`: one frame of all worlds in one call of the core.
 
     Episode i of `reset(seed=s)` is that of a single environment with seed s + i, bit for bit,
@@ -39,7 +39,7 @@ class VectorEnv(_vector.VectorEnv):  # type: ignore[misc]
         InputError: A task or mode that there is not, an impossible number.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {
+    metadata: dict[str, Any] = {  # noqa: RUF012 - an instance may have its own
         "render_modes": ["rgb_array"],
         "render_fps": 30,
         "autoreset_mode": AutoresetMode.NEXT_STEP,

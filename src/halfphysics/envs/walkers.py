@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from halfphysics.envs.worlds import Worlds
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 #: Slower than this a walker is told to stand [m/s].
 STANDS = 0.2
@@ -64,7 +65,7 @@ class Walkers:
         """Take in where person `i` stands, once its world has started."""
         self.place[i] = self._worlds.place("person/pelvis")[i, :2]
 
-    def hands(self, points: Array, active: Array) -> None:
+    def hands(self, points: Array, active: Flags) -> None:
         """Tell the right hands of active people where to reach (N, 3) [m]; NaN: nowhere."""
         for i in np.flatnonzero(active):
             person, (x, y, z) = self._actors[i], points[i]
@@ -77,7 +78,7 @@ class Walkers:
                 person.withdraw("right")
                 self._reaches[i] = False
 
-    def tell(self, speed: Array, heading: Array, active: Array) -> Array:
+    def tell(self, speed: Array, heading: Array, active: Flags) -> Array:
         """The targets (N, K) of the next frame.
 
         Args:
@@ -95,7 +96,7 @@ class Walkers:
             self._time[i] += self._worlds.dt
         return self._targets
 
-    def look(self, active: Array) -> None:
+    def look(self, active: Flags) -> None:
         """Take in where the people are after a frame."""
         now = self._worlds.place("person/pelvis")[:, :2]
         go = active[:, None]

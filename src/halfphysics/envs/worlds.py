@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from halfphysics.simulation.world import World
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 Placed = tuple[ArrayLike, ArrayLike]
 
 
@@ -148,7 +149,7 @@ class Worlds:
         world.stepper.set_stiffness(world.stiffness_to_core(usual))
         self._look(i)
 
-    def step(self, targets: Array, rests: Array, active: Array | None = None) -> None:
+    def step(self, targets: Array, rests: Array, active: Flags | None = None) -> None:
         """One frame of all worlds.
 
         Args:
@@ -160,7 +161,7 @@ class Worlds:
         rates = np.where(self._fresh[:, None], 0.0, (rests - self._rests) / self.dt)
         self._frame(every, targets, rests, rates, self._substeps)
         self._rests = np.where(every[:, None], rests, self._rests)
-        self._fresh &= ~every
+        self._fresh = self._fresh & ~every
 
     def attach(self, i: int, name: str, part: str, person: int = 0) -> None:
         """Tie an object to a part of a person where it is now (`Simulator.attach`), until the
@@ -190,7 +191,8 @@ class Worlds:
 
     def touched(self, group: str) -> NDArray[np.bool_]:
         """Whether anything of a group has been pushed in the last frame (N,)."""
-        touched: NDArray[np.bool_] = (self.impulses[:, self._group[group], :, 3] > 0.0).any(axis=1)
+        load = self.impulses[:, self._group[group], :, 3]
+        touched: Flags = np.any(load > 0.0, axis=1)
         return touched
 
     @property
@@ -222,7 +224,7 @@ class Worlds:
     # -- inside ----------------------------------------------------------------------------
 
     def _frame(
-        self, active: Array, targets: Array, rests: Array, rates: Array, substeps: int
+        self, active: Flags, targets: Array, rests: Array, rates: Array, substeps: int
     ) -> None:
         self._fleet.frame(
             active=np.ascontiguousarray(active, dtype=np.int32),
@@ -238,8 +240,8 @@ class Worlds:
 
     def _look(self, i: int) -> None:
         """Fill in what is seen of world `i`, which does not move."""
-        active = np.zeros(self.count)
-        active[i] = 1
+        active = np.zeros(self.count, dtype=bool)
+        active[i] = True
         targets = np.zeros((self.count, sum(p.count for p in self._first[0].people)))
         self._frame(active, targets, self._rests, self._rests, 0)
 

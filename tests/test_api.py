@@ -14,8 +14,8 @@ HEAVY = ("mujoco", "trimesh", "viser", "scipy", "tyro", "yaml", "PIL")
 
 NAMES = """
 JOINT_NAMES Body Box Capsule Cylinder HalfPhysicsError HalfPhysicsWarning Mesh Motion Plane Pose
-Result Scene Sequence Settings Simulator Sphere __version__ actors attach baselines clips errors export
-adapt fix judge load_sequence metrics progress scenarios simulate simulate_many support
+Result Scene Sequence Settings Simulator Sphere __version__ actors attach baselines clips errors
+export adapt fix judge load_sequence metrics progress scenarios simulate simulate_many support
 view
 """
 

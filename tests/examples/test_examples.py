@@ -85,3 +85,20 @@ def test_first_steps_in_a_notebook(tmp_path, monkeypatch, capsys):
     assert names["before"].depth_max_mm > 10.0
     assert names["after"].depth_max_mm == 0.0
     assert (tmp_path / "result.glb").is_file()
+
+
+def test_people_who_react(capsys):
+    result = example("07_people_who_react.py")["main"]()
+    told = capsys.readouterr().out
+    assert told.count("done True") == 2
+    assert "person0 sits" in told
+    touched = {result.names[k] for k in np.unique(result.contacts.other)}
+    assert touched <= {"floor", "bench", "cup", "table"}, "nobody touches the pillar or each other"
+    assert "bench" in touched
+
+
+def test_learn_to_pass():
+    """Few steps: that it runs, and says four scores; learning is for the campaign."""
+    pytest.importorskip("stable_baselines3")
+    found = example("08_learn_to_pass.py")["main"](steps=64, episodes=2, worlds=2)
+    assert list(found) == ["by chance", "by hand", "PPO before", "PPO after"]

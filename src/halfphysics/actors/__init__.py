@@ -1,8 +1,8 @@
 """Actors: humans that react.
 
-An `Actor` gives the reference of one person frame by frame, by what it sees. `Clip` plays a motion, `Mixed`
-changes between actors, `Person` acts by goals: `WalkTo`, `TurnTo`, `Follow`, `ReachFor`, `HandOver`, `LookAt`, `SitOn`,
-`StandUp` and `Wait`. `play` lets them act in a scene.
+An `Actor` gives the reference of one person frame by frame, by what it sees. `Clip` plays a
+motion, `Mixed` changes between actors, `Person` acts by goals: `WalkTo`, `TurnTo`, `Follow`,
+`ReachFor`, `HandOver`, `LookAt`, `SitOn`, `StandUp` and `Wait`. `play` lets them act in a scene.
 """
 
 from __future__ import annotations

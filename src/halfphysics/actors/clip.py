@@ -45,13 +45,17 @@ MIRRORED = np.array(
     ]
 )
 
+# A round that turns by less goes straight on [rad].
+_STRAIGHT = 0.21
+
 
 class Clip:
     """A motion, played.
 
     A loop goes on where it ended: each round begins at the place and heading at which the one
-    before ended. What does not fit is crossed over by `fade` seconds at the seam. At its end a
-    clip that is not looped rests at its last frame.
+    before ended; a turn of less than 12 degrees a round is the sway of a pelvis, and not a curve.
+    What does not fit fades within `fade` seconds of the seam (inertialisation). At its end a clip
+    that is not looped rests at its last frame.
 
     Args:
         motion: Any motion, z up.
@@ -61,7 +65,7 @@ class Clip:
         speed: 1 as recorded, 2 twice as fast; above 0.
         place: Where the pelvis is at the first frame, (x, y) [m]; None: as recorded.
         heading: Where it faces then, about z [rad], 0 along +x; None: as recorded.
-        fade: Over how long the begin of a round crosses over from the end of the one before [s].
+        fade: After how long nothing is left of the end of the round before [s].
 
     Raises:
         InputError: An impossible value.
@@ -94,7 +98,8 @@ class Clip:
         self._roots, self._quats = roots, rot.continuous(rot.exp(rotations))
         self._fade = min(number(fade, "Clip: fade", least=0.0, unit="s"), 0.5 * motion.duration)
         self._last = len(roots) - 1
-        turn = wrapped(heading_of(self._quats[-1, 0]) - heading_of(self._quats[0, 0]))
+        turn = wrapped(_facing(self._quats[-1, 0]) - _facing(self._quats[0, 0]))
+        turn = 0.0 if abs(turn) < _STRAIGHT else turn
         self._round = Round(turn, roots[0], (roots[-1] - roots[0]) * [1.0, 1.0, 0.0])
         self._seam = self._made_seam(self._fade)
         self._place: tuple[Array, Quat] | None = None
@@ -118,7 +123,7 @@ class Clip:
     def restart(self, pose: Pose) -> Pose:
         """The first frame, at the place of a pose and facing as it does."""
         at = pose.axes @ self._pelvis + pose.translation
-        turn = heading_of(exp(vec(pose.rotations[0]))) - heading_of(self._quats[0, 0])
+        turn = heading_of(exp(vec(pose.rotations[0]))) - _facing(self._quats[0, 0])
         self._place = (at * [1.0, 1.0, 0.0], about_z(turn))
         return self.reset()
 
@@ -190,13 +195,19 @@ class Round:
         ways = rounds if abs(once - 1.0) < 1e-9 else (1.0 - turned) / (1.0 - once)
         x, y, z = root - self.start
         there = ways * complex(*self.way[:2]) + turned * complex(x, y)
-        return self.start + np.array([there.real, there.imag, z])
+        out: Array = self.start + np.array([there.real, there.imag, z])
+        return out
 
     def before(self, root: Array) -> Array:
         """A position (3,), one round earlier."""
         return self.start + rot.rotate(
             rot.exp([0.0, 0.0, -self.turn]), root - self.start - self.way
         )
+
+
+def _facing(quat: Array) -> float:
+    w, x, y, z = quat.tolist()
+    return heading_of((w, x, y, z))
 
 
 def rotvecs(quats: Array) -> Array:
@@ -214,7 +225,7 @@ def moved(
     roots: Array, rotations: Array, place: Array | None, facing: float | None
 ) -> tuple[Array, Array]:
     """A motion whose first frame is at a place (x, y) and faces a direction; None: as it is."""
-    turn = 0.0 if facing is None else facing - heading_of(rot.exp(rotations[0, 0]))
+    turn = 0.0 if facing is None else facing - _facing(rot.exp(rotations[0, 0]))
     about = rot.exp([0.0, 0.0, turn])
     first = roots[0] * [1.0, 1.0, 0.0]
     at = first if place is None else np.array([place[0], place[1], 0.0])
@@ -230,7 +241,7 @@ def _mirrored(roots: Array, rotations: Array) -> tuple[Array, Array]:
     points left in the rest frame. That is the mirror image at the world's plane y = 0 of a person
     who faces +x; the plane is turned and moved to the person.
     """
-    facing, first = heading_of(rot.exp(rotations[0, 0])), roots[0].copy()
+    facing, first = _facing(rot.exp(rotations[0, 0])), roots[0].copy()
     roots, rotations = moved(roots, rotations, np.zeros(2), 0.0)
     swapped = rotations[:, MIRRORED] * np.array([1.0, -1.0, -1.0])
     # Of the pelvis A W, with W from rest to facing +x, A is mirrored at y.

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from halfphysics.actors.limbs import ArmBones, vec
 from halfphysics.actors.turns import (
-    NO_TURN,
     Quat,
     Vec,
     about_x,
@@ -136,9 +134,7 @@ class Figure:
         }
         #: Elbow from shoulder, by side.
         self.upper = {
-            side: vec(
-                joints[self.arms[side].joints[1]] - joints[self.arms[side].joints[0]]
-            )
+            side: vec(joints[self.arms[side].joints[1]] - joints[self.arms[side].joints[0]])
             for side in SIDES
         }
         #: Head from the third joint of the spine.

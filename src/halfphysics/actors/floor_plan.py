@@ -69,10 +69,11 @@ class FloorPlan:
 
     def clearance(self, places: Array, moving: Array) -> Array:
         """Distance of places (n, 2) from the nearest point in the way (n,) [m]."""
-        out = np.full(len(places), np.inf)
+        out: Array = np.full(len(places), np.inf)
         for tree in (self._tree, _tree(moving)):
             if tree is not None:
-                out = np.minimum(out, tree.query(places)[0])
+                near: Array = np.asarray(tree.query(places)[0], dtype=np.float64)
+                out = np.asarray(np.minimum(out, near), dtype=np.float64)
         return out
 
 
@@ -102,8 +103,7 @@ def _in_the_way(groups: list[Array]) -> Array:
     points = np.concatenate(groups)
     points = points[(points[:, 2] > _LOW) & (points[:, 2] < _HIGH)]
     cells = np.unique(np.rint(points[:, :2] / (0.5 * SPACING)).astype(np.int64), axis=0)
-    out: Array = cells * (0.5 * SPACING)
-    return out
+    return np.asarray(cells * (0.5 * SPACING), dtype=np.float64)
 
 
 def _tree(points: Array) -> Any:

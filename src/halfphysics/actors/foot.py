@@ -18,6 +18,8 @@ _STRIKE, _OFF = float(HEEL_STRIKE), float(TOE_OFF)
 _OUT = float(TOES_OUT)
 # Phases over which a foot rolls down after its heel strikes.
 _DOWN = 0.9 * DOUBLE
+# How much earlier a flat foot is over its place, as a share of the swing.
+_EARLY = 0.15
 
 
 def ease(x: float) -> float:
@@ -93,7 +95,9 @@ def swung(leg: LegBones, left: float, before: Foot, after: Foot, start: int, u: 
     if u >= 1.0 - 0.5 * DOUBLE:
         return after.pose(leg, left, phase)
     s = (u - 0.5 * DOUBLE) / (1.0 - DOUBLE)
-    w = s * s * (3.0 - 2.0 * s)
+    # A foot that lands flat is over its place before it comes down.
+    t = min(1.0, s / (1.0 - _EARLY * (1.0 - after.ahead)))
+    w = t * t * (3.0 - 2.0 * t)
     p0, p1 = before.pitch(phase), after.pitch(phase)
     old, new = before.hold, after.hold
     yaw = old.yaw + w * wrapped(new.yaw - old.yaw) + left * _OUT

@@ -94,7 +94,10 @@ class Leg:
         plane = unit(cross(knee, old)) if dot(cross(knee, old), cross(knee, old)) > 1e-8 else side
         thigh = _carried(knee, plane, there, side, self.hip_turn)
         shank = _carried(
-            plus(old, knee, -1.0), plane, plus(times(line, distance), there, -1.0), side,
+            plus(old, knee, -1.0),
+            plane,
+            plus(times(line, distance), there, -1.0),
+            side,
             self.knee_turn,
         )
         return [

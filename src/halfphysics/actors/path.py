@@ -84,9 +84,7 @@ class Path:
             for t in (0.0, 0.25, 0.5, 0.75, 1.0):
                 p, q, r = (1.0 - t) ** 2, 2.0 * t * (1.0 - t), t * t
                 out.append(
-                    Point(
-                        p * a.x + q * corner.x + r * b.x, p * a.y + q * corner.y + r * b.y
-                    )
+                    Point(p * a.x + q * corner.x + r * b.x, p * a.y + q * corner.y + r * b.y)
                 )
         return Path([*out, self.points[-1]])
 

@@ -40,6 +40,8 @@ Target: TypeAlias = "tuple[float, float, float] | str | int"
 _HEAD = 0.72
 # A palm this near to its point is there [m].
 _REACHED = 0.01
+# An arm with less than this of its way to a point is near the body.
+_NEAR = 0.25
 
 
 class Person:
@@ -208,6 +210,10 @@ class Person:
         reach = self._poise.reaches[side]
         point = reach.point
         return reach.there and point is not None and math.dist(point, self.palm(side)) < _REACHED
+
+    def withdrawn(self, side: str) -> bool:
+        """Whether an arm is near its body again."""
+        return self._poise.reaches[side].share.value < _NEAR
 
     def lacks(self, side: str, point: Vec) -> float:
         """What a stretched arm lacks to a point without leaning any farther [m]."""

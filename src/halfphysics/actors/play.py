@@ -102,7 +102,7 @@ def play(
     if body is None:
         body = _bodies(cast)
     sim = _Recorded(scene, body=body, settings=settings or SETTINGS, fps=fps)
-    count = max(2, int(round(seconds * fps)) + 1)
+    count = max(2, round(seconds * fps) + 1)
     poses = [[actor.reset(seed + i) for i, actor in enumerate(cast)]]
     frame = sim.start(poses[0], count)
     for i in range(count - 1):

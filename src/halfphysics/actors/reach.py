@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -14,6 +13,8 @@ from halfphysics.actors.turns import (
     Quat,
     Vec,
     about_x,
+    about_y,
+    about_z,
     frame,
     from_swing_twist,
     multiply,
@@ -73,7 +74,12 @@ _MARGIN = 0.3
 # A point that moves is followed with this time constant [s].
 _FOLLOW = 0.12
 #: Speed of a hand on its way, in the mean [m/s]; and the least time of a way [s].
-_SPEED, _LEAST = 0.7, 0.5
+_SPEED, _LEAST = 0.5, 1.0
+# Points from the first to the second of these heights [m] are come to from above, more and more: by
+# this share of the way the arm is drawn in, from that share on it stretches.
+_TABLE, _DRAWN, _LATE = (0.65, 0.85), 0.55, 0.3
+# An arm that is drawn in: the upper arm back and down, and the elbow bent [rad].
+_UPPER, _DOWN, _ELBOW = 0.35, 1.15, 2.0
 OPEN, CLOSED = 0.15, 0.9
 
 
@@ -120,6 +126,12 @@ class Reach:
         self._figure, self._bones = figure, figure.arms[side]
         ranges = JointRanges.of(body)
         self._ranges = [_Range(ranges, joint) for joint in self._bones.joints]
+        arm = (
+            multiply(about_x(_UPPER), about_z(-self._left * _DOWN)),
+            about_y(-self._left * _ELBOW),
+            about_x(0.3),
+        )
+        self._drawn = [held.angles(turn) for held, turn in zip(self._ranges, arm, strict=True)]
         #: The point of a hand that comes to a point: at the palm, behind the knuckles.
         self.palm: Vec = (
             self._left * 0.85 * knuckle_ahead(body, side),
@@ -159,11 +171,12 @@ class Reach:
             self._at = tuple(Spring(_FOLLOW, x) for x in point)  # type: ignore[assignment]
         self.point, self.facing = point, facing
 
-    def back(self, seconds: float = 0.9) -> None:
-        """Let the arm hang again."""
+    def back(self, seconds: float = 1.2) -> None:
+        """Let the arm hang again; a hand that has closed stays closed until it reaches again."""
         if self.share.goal != 0.0:
             self.share.to(0.0, seconds)
-            self.curl.to(CURL, seconds)
+            if self.curl.goal != CLOSED:
+                self.curl.to(CURL, seconds)
         self.point = None
 
     def close(self, closed: bool) -> None:
@@ -191,13 +204,26 @@ class Reach:
                 _MANNERS, key=lambda manner: self._solved(chest, swinging, goal, manner, 2)[1]
             )
         angles, _ = self._solved(chest, swinging, goal, self._manner, 4)
+        ready, there = self._shares(share, goal[2])
         joints = []
-        for now, then, held in zip(swinging[1:], angles, self._ranges, strict=True):
-            first = held.angles(now)
-            joints.append(
-                from_swing_twist(plus(first, plus(then, first, -1.0), share), held.axes)
-            )
+        for now, drawn, then, held in zip(
+            swinging[1:], self._drawn, angles, self._ranges, strict=True
+        ):
+            own = held.angles(now)
+            own = plus(own, plus(drawn, own, -1.0), ready)
+            joints.append(from_swing_twist(plus(own, plus(then, own, -1.0), there), held.axes))
         return ArmTurns(swinging.collar, *joints)
+
+    @staticmethod
+    def _shares(share: float, height: float) -> tuple[float, float]:
+        """How far an arm is drawn in, and how far it is at its point, by its share of the way.
+
+        A hand that comes to what lies on a table comes from above: first its elbow bends.
+        """
+        high = min(max((height - _TABLE[0]) / (_TABLE[1] - _TABLE[0]), 0.0), 1.0)
+        ready = high * _soft(share / _DRAWN)
+        late = _soft((share - _LATE) / (1.0 - _LATE))
+        return ready, share + high * (late - share)
 
     def _solved(
         self, chest: Chest, swinging: ArmTurns, goal: Vec, manner: _Manner, tries: int
@@ -265,6 +291,7 @@ class Reach:
         return plus(at, rotate(turn, self.palm))
 
 
-def distance(a: Vec, b: Vec) -> float:
-    """Between two points [m]."""
-    return math.dist(a, b)
+def _soft(x: float) -> float:
+    """0 up to 0, 1 from 1 on, with no speed at either."""
+    x = min(max(x, 0.0), 1.0)
+    return x * x * (3.0 - 2.0 * x)

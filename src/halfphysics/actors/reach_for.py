@@ -29,6 +29,8 @@ _PATIENCE = 4.0
 _SPEED = 1.0
 # Something is in a hand that is nearer than this, and out of it beyond that [m].
 _TAKEN, _GIVEN = 0.14, 0.22
+# How long it has to be there, or out, before the hand goes back [s].
+_SETTLED = 0.35
 # Where a hand is held out: ahead, to its side, and above the ground, by the length of a leg.
 _OUT = (0.52, 0.1, 1.3)
 
@@ -53,7 +55,7 @@ def checked_hand(hand: object, what: str) -> str:
     """
     if hand not in HANDS:
         raise InputError(f"{what}: expected 'left' or 'right', found {shown(hand)}")
-    return cast("str", hand)
+    return str(hand)
 
 
 @dataclass(frozen=True)
@@ -67,7 +69,7 @@ class ReachFor:
         hand: "left" or "right".
         palm: How the hand comes: its palm "in" (towards the other hand), "down" or "up".
         hold: How long the hand stays there [s].
-        close: Whether the fingers close there.
+        close: Whether the fingers close there; they stay closed until the hand reaches again.
 
     Raises:
         InputError: An impossible value.
@@ -99,9 +101,12 @@ class Reaching:
         self._goal = goal
         self._walks: bool | None = None
         self._held, self._tried, self._nearer = 0.0, 0.0, 0
+        self._back = False
 
     def go_on(self, me: Person) -> bool:
         goal = self._goal
+        if self._back:
+            return me.withdrawn(goal.hand)
         at = me.point_of(goal.target)
         me.look(goal.target)
         if self._walks is None:
@@ -120,7 +125,10 @@ class Reaching:
             # It lacks a little: a step nearer.
             approach(me, at, goal.hand, _NEARER[self._nearer] * me.leg)
             self._nearer, self._tried = self._nearer + 1, 0.0
-        return self._held > goal.hold or self._tried > goal.hold + _PATIENCE
+        if self._held > goal.hold or self._tried > goal.hold + _PATIENCE:
+            me.withdraw(goal.hand)
+            self._back = True
+        return False
 
     def end(self, me: Person) -> None:
         me.look(None)
@@ -181,9 +189,12 @@ class HandingOver:
         self._goal = goal
         self._turned = False
         self._waited, self._settled = 0.0, 0.0
+        self._back = False
 
     def go_on(self, me: Person) -> bool:
         goal = self._goal
+        if self._back:
+            return me.withdrawn(goal.hand)
         if goal.to is not None:
             x, y, _ = me.point_of(goal.to)
             facing = math.atan2(y - me.place.y, x - me.place.x)
@@ -200,7 +211,10 @@ class HandingOver:
         self._settled = self._settled + me.dt if self._happened(me) else 0.0
         if self._settled and goal.take is not None:
             me.close_hand(goal.hand)
-        return self._settled > 0.35 or self._waited > goal.patience
+        if self._settled > _SETTLED or self._waited > goal.patience:
+            me.withdraw(goal.hand)
+            self._back = True
+        return False
 
     def _point(self, me: Person) -> Vec:
         """Where the hand is held out."""

@@ -118,9 +118,9 @@ class _Grid:
                 to = (at[0] + dx, at[1] + dy)
                 if not (0 <= to[0] < self._count[0] and 0 <= to[1] < self._count[1]):
                     continue
-                new = best[at] + (1.0 if not (dx and dy) else 1.4142135623730951) * cost[to[0]][
-                    to[1]
-                ]
+                new = (
+                    best[at] + (1.0 if not (dx and dy) else 1.4142135623730951) * cost[to[0]][to[1]]
+                )
                 if new < best.get(to, math.inf):
                     best[to], before[to] = new, at
                     heapq.heappush(open_, (new + math.dist(to, end), to))

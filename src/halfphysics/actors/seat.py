@@ -18,7 +18,7 @@ _DOWN, _FORWARD = 1.5, 0.9
 _READY, _UP = 0.7, 1.3
 # Pitch of the pelvis [rad]: on the way, and at rest.
 _WAY, _REST = 0.62, -0.1
-# Bend of the spine, nod of the head, lift of the arms and bend of the elbows on the way and at rest.
+# Bend of the spine, nod of the head, lift of the arms, bend of the elbows: on the way, at rest.
 _BEND = (0.3, 0.12)
 _NOD = (-0.25, 0.0)
 _ARMS = (-0.75, -0.5)
@@ -50,9 +50,7 @@ class Seat:
         return self._down.goal == 0.0 or (self._wait is not None and self._wait[1] == "up")
 
     def _all_there(self) -> bool:
-        return all(
-            g.there for g in (self._across, self._down, self._pitch, self._bend, self._arms)
-        )
+        return all(g.there for g in (self._across, self._down, self._pitch, self._bend, self._arms))
 
     def sit(self, pelvis: Vec) -> None:
         """Sit down: the pelvis joint comes to a place in the world [m]."""
@@ -106,9 +104,7 @@ class Seat:
         across, down = self._across.value, self._down.value
         x, y, z = plus(self._pelvis, stand.pelvis, -1.0)
         pelvis = plus(stand.pelvis, (across * x, across * y, down * z))
-        return stand._replace(
-            pelvis=pelvis, root=multiply(stand.root, about_x(self._pitch.value))
-        )
+        return stand._replace(pelvis=pelvis, root=multiply(stand.root, about_x(self._pitch.value)))
 
     def trunk(self, trunk: Trunk) -> Trunk:
         """The spine, bent."""
@@ -133,9 +129,7 @@ def seat_pelvis(place: tuple[float, float], height: float, leg: float) -> Vec:
     return (place[0], place[1], height + ABOVE * leg)
 
 
-def feet_before(
-    place: tuple[float, float], heading: float, leg: float
-) -> tuple[float, float]:
+def feet_before(place: tuple[float, float], heading: float, leg: float) -> tuple[float, float]:
     """Where a person stands who is about to sit at a place [m]."""
     x, y, _ = times((math.cos(heading), math.sin(heading), 0.0), BEHIND * leg)
     return (place[0] + x, place[1] + y)

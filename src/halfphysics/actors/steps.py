@@ -115,7 +115,10 @@ class _Plan:
         if self.shuffles:
             way = math.hypot(goal.x - support.x, goal.y - support.y)
             share = min(1.0, _SIDEWAYS / way) if way > 0.0 else 1.0
-            x, y = support.x + share * (goal.x - support.x), support.y + share * (goal.y - support.y)
+            x, y = (
+                support.x + share * (goal.x - support.x),
+                support.y + share * (goal.y - support.y),
+            )
             return self._limited(Foothold(x, y, goal.yaw), support, _TURN_ON_SPOT), True
         s = path.nearest(support.x, support.y)
         rest = path.length - s
@@ -132,9 +135,9 @@ class _Plan:
         at = path.at(s + step)
         if step >= rest - 1e-6:
             return self._limited(goal, support, _TURN_WALKING), False
-        yaw = path.heading(s + step)
+        facing = path.heading(s + step)
         return self._limited(
-            Foothold(at.x, at.y, support.yaw if yaw is None else yaw), support, _TURN_WALKING
+            Foothold(at.x, at.y, support.yaw if facing is None else facing), support, _TURN_WALKING
         ), False
 
     def _limited(self, at: Foothold, support: Foothold, most: float) -> Foothold:

@@ -58,9 +58,7 @@ class Stoop:
             aside = 0.0
         self._lean.advance(lean, dt)
         self._aside.advance(aside, dt)
-        self._twist.advance(
-            -left * _TURN * min(1.0, 0.25 + lean / 0.4) + 0.25 * aside, dt
-        )
+        self._twist.advance(-left * _TURN * min(1.0, 0.25 + lean / 0.4) + 0.25 * aside, dt)
         self._sink.advance(min(max(_SINK * (_LOW - point[2]), 0.0), LOWEST), dt)
 
     def trunk(self, trunk: Trunk) -> Trunk:

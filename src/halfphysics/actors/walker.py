@@ -47,8 +47,11 @@ _LEAN, _SWAY = float(posture.LEAN), posture.SWAY
 _USUAL_STEP = math.sqrt(WALK_RATIO * posture.USUAL)
 # What the pelvis is below the height at which a leg is straight [m].
 _BENT = 0.004
+# What it is lower at the end of a step, so that it can rise before [m].
+_SLACK = 0.004
 # Largest rise of the pelvis in the middle of a step, and largest dip [m].
 _RISE, _DIP = 0.035, -0.05
+_ARCH = 7.0**7 / (3.0**3 * 4.0**4)
 # Weight shift of a step on the spot, towards the standing foot [m].
 _SHIFT = 0.03
 # Time constant with which the pace changes [s].
@@ -234,11 +237,11 @@ class Walker:
 
     def _rise(self, step: _Step) -> None:
         """Heights of the pelvis at the end of a step and in its middle, by what legs can reach."""
-        step.last.height = min(self._limit(u) for u in _END) - _BENT
+        step.last.height = min(self._limit(u) for u in _END) - _BENT - _SLACK
         way, bump = step.last.height - step.first.height, _RISE
-        for u in _MIDDLE:
+        for u in (*_MIDDLE, *_END[:4]):
             free = self._limit(u) - _BENT - step.first.height - ease(u) * way
-            bump = min(bump, free / math.sin(math.pi * u) ** 2)
+            bump = min(bump, free / _arch(u))
         step.bump = max(bump, _DIP)
 
     def advance(self, dt: float) -> bool:
@@ -267,9 +270,8 @@ class Walker:
         if step is None:
             return self._at(0.0, self._knot.height)
         u = self._phase - step.start
-        e, s = ease(u), math.sin(math.pi * u)
         first, last = step.first.height, step.last.height
-        return self._at(u, first + e * (last - first) + step.bump * s * s)
+        return self._at(u, first + ease(u) * (last - first) + step.bump * _arch(u))
 
     def _limit(self, u: float) -> float:
         """The height of the pelvis at which a leg is straight, at u of the step [m]."""
@@ -311,6 +313,14 @@ class Walker:
         else:
             pose = self._feet[side].pose(leg, left, step.start + u)
         return FootPose(plus(pose.ankle, (0.0, 0.0, GROUND)), pose.turn, pose.bend)
+
+
+def _arch(u: float) -> float:
+    """The pelvis's rise in a step: 1 at its highest, early, since a leg that swings to its landing
+    pulls the pelvis down.
+    """
+    v = max(0.0, 1.0 - u)
+    return _ARCH * u * u * u * v * v * v * v
 
 
 def _share(distance: float) -> float:

@@ -3,7 +3,7 @@
 Needs `pip install 'halfphysics[ppo]'`. Prints the scores of a policy by chance, of one written by
 hand, and of PPO before and after; `halfphysics.envs.policies.score` says on the same episodes.
 
-    python examples/07_learn_to_pass.py [STEPS]
+    python examples/08_learn_to_pass.py [STEPS]
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from halfphysics.envs.policies import Score
 TASK = "Corridor"
 
 
-def main(steps: int = 150_000, episodes: int = 64, worlds: int = 16) -> dict[str, Score]:
+def main(steps: int = 100_000, episodes: int = 64, worlds: int = 16) -> dict[str, Score]:
     """Name of a policy -> its score over episodes that nobody learned from."""
     import torch
     from stable_baselines3 import PPO

@@ -1,0 +1,56 @@
+"""Sitting down, sitting, and standing up."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import halfphysics as hp
+from halfphysics.actors import Person, Seen, SitOn, StandUp, WalkTo, play
+from support.acted import body, range_excess, slide, smooth, until_done
+
+SIT = SitOn((-1.0, 0.0), height=0.44, heading=0.0, stay=1.0)
+
+
+def test_it_sits_where_it_was_told_and_stands_up():
+    person = Person(body(), place=(0.5, 0.0), goals=[SIT])
+    motion = until_done(person)
+    assert person.sits
+    pelvis = body().joints(motion)[-1, 0]
+    np.testing.assert_allclose(pelvis[:2], SIT.place, atol=0.02)
+    assert 0.06 < pelvis[2] - SIT.height < 0.13
+    person.then(StandUp())
+    poses = [person.next(1.0 / 30.0, Seen()) for _ in range(90)]
+    assert person.done
+    assert person.stands
+    assert body().joints(poses[-1])[0, 2] > 0.85
+    assert range_excess(motion) < 1e-9
+    assert smooth(motion)
+    assert slide(motion).max() < 0.002
+
+
+def test_who_sits_stands_up_before_walking():
+    person = Person(body(), goals=[SIT, WalkTo((1.0, 0.0))])
+    motion = until_done(person)
+    assert smooth(motion)
+    assert slide(motion).max() < 0.002
+    assert person.place[0] == pytest.approx(1.0, abs=1e-3)
+
+
+def test_a_seat_carries_it():
+    """In the simulation it rests on the seat, and feet and pelvis stay where they were asked."""
+    scene = hp.Scene()
+    scene.add_static("floor", hp.Plane())
+    scene.add_static("seat", hp.Box((0.5, 0.8, 0.44)), position=(-1.2, 0.0, 0.22))
+    result = play(Person(body(), goals=[SIT], scene=scene), scene, seconds=10.0)
+    touched = result.contacts.other == result.names.index("seat")
+    parts = {hp.JOINT_NAMES[k] for k in np.unique(result.contacts.part[touched])}
+    assert parts <= {"pelvis", "left_hip", "right_hip"}
+    assert parts
+    off = result.motion.translation[-1] - result.reference.translation[-1]
+    assert np.linalg.norm(off) < 0.03
+
+
+def test_impossible_seats_are_refused():
+    with pytest.raises(hp.errors.InputError, match=r"SitOn: height: expected a number from 0.3"):
+        SitOn((0.0, 0.0), height=0.1)

@@ -1,0 +1,115 @@
+"""Goals of the feet: to be at a place, to turn, to follow."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import halfphysics as hp
+from halfphysics.actors import Follow, Other, Person, Seen, TurnTo, WalkTo
+from halfphysics.actors.play import as_motion
+from halfphysics.actors.turns import rotate
+from support.acted import body, range_excess, slide, smooth, until_done
+
+GOALS = {
+    "ahead": [WalkTo((3.0, 0.0))],
+    "behind": [WalkTo((-2.5, 0.5), heading=2.0)],
+    "beside": [WalkTo((0.0, 0.3), heading=0.0)],
+    "back": [WalkTo((-0.3, 0.0), heading=0.0)],
+    "near": [WalkTo((0.5, 0.2), heading=-1.0, speed=0.6)],
+    "fast": [WalkTo((5.0, -2.0), heading=0.0, speed=1.8)],
+    "turn": [TurnTo(math.pi)],
+    "several": [WalkTo((1.5, 0.0)), WalkTo((1.5, 1.5), heading=0.0), TurnTo(-2.0)],
+}
+
+
+def stands_at(motion):
+    """Where a motion ends: between the ankles (x, y) [m], and its heading [rad]."""
+    positions, quaternions = body().joint_frames(motion[len(motion) - 1])
+    ankles = positions[[hp.JOINT_NAMES.index(f"{side}_ankle") for side in ("left", "right")]]
+    ahead = rotate(tuple(quaternions[0]), (0.0, 0.0, 1.0))
+    return ankles[:, :2].mean(axis=0), math.atan2(ahead[1], ahead[0])
+
+
+@pytest.mark.parametrize("name", GOALS)
+def test_it_gets_there(name):
+    """Within 2 cm and 5 degrees, says the issue; the reference is there to a millimetre."""
+    goals = GOALS[name]
+    motion = until_done(Person(body(), goals=goals))
+    place, heading = stands_at(motion)
+    last = goals[-1]
+    if isinstance(last, WalkTo):
+        np.testing.assert_allclose(place, last.place, atol=1e-3)
+    if last.heading is not None:
+        assert abs(math.remainder(heading - last.heading, 2 * math.pi)) < math.radians(0.5)
+    assert slide(motion).max() < 0.002
+    assert range_excess(motion) < 1e-9
+    assert smooth(motion)
+
+
+def test_goals_change_at_any_time():
+    for change in range(20, 60, 7):
+        person = Person(body(), goals=[WalkTo((4.0, 0.0))])
+        person.reset()
+        poses = []
+        for i in range(300):
+            if i == change:
+                person.do(WalkTo((0.0, -1.5), heading=1.0))
+            poses.append(person.next(1.0 / 30.0, Seen()))
+            if person.done:
+                break
+        motion = as_motion(poses, body(), 30.0)
+        assert person.done
+        np.testing.assert_allclose(stands_at(motion)[0], (0.0, -1.5), atol=1e-3)
+        assert smooth(motion)
+        assert slide(motion).max() < 0.002
+
+
+def test_speed_is_what_was_asked():
+    for speed in (0.6, 1.2, 1.6):
+        motion = until_done(Person(body(), goals=[WalkTo((6.0, 0.0), speed=speed)]))
+        x = motion.translation[:, 0]
+        between = np.flatnonzero((x > 2.0) & (x < 4.0))
+        own = 30.0 * (x[between[-1]] - x[between[0]]) / (between[-1] - between[0])
+        assert own == pytest.approx(speed, rel=0.12)
+
+
+def test_equal_seeds_give_equal_bits_and_others_do_not():
+    goals = [WalkTo((1.5, 0.5)), TurnTo(0.0)]
+    first, again, other = (until_done(Person(body(), goals=goals), seed=s) for s in (3, 3, 4))
+    assert first.translation.tobytes() == again.translation.tobytes()
+    assert first.rotations.tobytes() == again.rotations.tobytes()
+    assert first.rotations.tobytes() != other.rotations.tobytes()
+    person = Person(body(), goals=goals)
+    twice = [until_done(person, seed=3) for _ in range(2)]
+    assert twice[0].rotations.tobytes() == twice[1].rotations.tobytes() == first.rotations.tobytes()
+
+
+def test_following_keeps_the_distance():
+    """Somebody walks 4 m at 0.8 m/s; who follows ends 1.2 m from there, and looks there."""
+    person = Person(body(), goals=[Follow(1, distance=1.2)])
+    person.reset()
+    still = Person(body()).reset()
+    for i in range(300):
+        x = 2.0 + min(4.0, 0.8 * i / 30.0)
+        other = Other(hp.Pose(still.translation + np.array([x, 0.5, 0.0]), still.rotations), body())
+        person.next(1.0 / 30.0, Seen(others={1: other}))
+    away = math.dist(person.place, (6.0 + 0.04, 0.5))
+    assert 1.0 < away < 1.5
+    assert not person.done, "it follows until it is told to do something else"
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: WalkTo((1.0,)), "WalkTo: place: expected 2 finite numbers"),
+        (lambda: WalkTo((1.0, 2.0), speed=5.0), "WalkTo: speed: expected a number from 0.2 to 1.8"),
+        (lambda: TurnTo(math.nan), "TurnTo: heading"),
+        (lambda: Follow(1, distance=0.1), "Follow: distance"),
+    ],
+)
+def test_impossible_goals_are_refused(make, words):
+    with pytest.raises(hp.errors.InputError, match=words):
+        make()

@@ -59,7 +59,17 @@ GIVEN = {
 #: Contents of the site: heading, pages. Documents that are not here come last.
 CONTENTS = {
     "Start": ["install", "tutorials/index", "first-steps", "scenarios", "gallery", "limits"],
-    "How to": ["viewer", "pictures", "python", "actors", "fix", "holds", "labels", "sweeps", "envs"],
+    "How to": [
+        "viewer",
+        "pictures",
+        "python",
+        "actors",
+        "fix",
+        "holds",
+        "labels",
+        "sweeps",
+        "envs",
+    ],
     "Look up": [
         *("reference/index", "reference/commands", "formats", "scene-files", "result-files"),
         "metrics",

@@ -21,6 +21,7 @@ from halfphysics.envs.task import Flags, Outcome, Task, View
 from halfphysics.envs.worlds import Plan
 from halfphysics.geometry.shapes import Cylinder, Plane
 from halfphysics.scene.scene import Scene
+from halfphysics.settings import Settings
 
 Array = NDArray[np.float64]
 
@@ -127,6 +128,10 @@ class HandOver(Task):
                 "person": ("person/*",),
             },
         )
+
+    def settings(self) -> Settings:
+        """Half as many substeps as usual: hands and arm are slow, and the motors are implicit."""
+        return Settings(substeps=4)
 
     def prepare(self) -> None:
         n = self.count

@@ -80,14 +80,15 @@ class Fleet {
   // (worlds, .): of all people of a world; `rests` and their velocities `rates` (worlds, motors). All of `poses` (worlds, 7 bodies),
   // `states` (worlds, 2 motors: coordinates, then velocities) and `impulses` (worlds, 4 groups groups)
   // that belongs to an active world is written; n = 0: nobody moves, impulses are zero.
-  void frame(Ints active, Square targets, Square rests, Square rates, double dt, int n, Out poses, Out states,
-             Out impulses) {
+  void frame(Ints active, Square targets, Square rests, Square rates, double dt, int n, Out poses,
+             Out states, Out impulses) {
     const size_t count = worlds_.size();
     for (size_t rows : {active.shape(0), targets.shape(0), rests.shape(0), rates.shape(0),
                         poses.shape(0), states.shape(0), impulses.shape(0)})
       need(rows == count, "frame: expected one row per world");
-    need((int)rests.shape(1) == motors_ && (int)rates.shape(1) == motors_ && (int)poses.shape(1) == 7 * bodies_ &&
-             (int)states.shape(1) == 2 * motors_ && (int)impulses.shape(1) == 4 * groups_ * groups_,
+    need((int)rests.shape(1) == motors_ && (int)rates.shape(1) == motors_ &&
+             (int)poses.shape(1) == 7 * bodies_ && (int)states.shape(1) == 2 * motors_ &&
+             (int)impulses.shape(1) == 4 * groups_ * groups_,
          "frame: bad shape of rests, rates, poses, states or impulses");
     need(n >= 0 && dt > 0, "frame: expected a length, and a number of substeps");
     for (size_t i = 0; i < count; i++)
@@ -99,9 +100,8 @@ class Fleet {
       if (!active.data()[i]) return;
       Watched& w = worlds_[i];
       if (n > 0) {
-        w.stepper->system.articulations.set_rests(w.stepper->system.model,
-                                                  rests.data() + i * motors_,
-                                                  rates.data() + i * motors_);
+        w.stepper->system.articulations.set_rests(
+            w.stepper->system.model, rests.data() + i * motors_, rates.data() + i * motors_);
         w.stepper->frame(targets.data() + i * targets.shape(1), dt, n);
       }
       look(w, poses.data() + i * poses.shape(1), states.data() + i * states.shape(1));
@@ -209,6 +209,6 @@ void bind_fleet(nb::module_& m) {
            "motors"_a, "groups"_a)
       .def("put", &Fleet::put, "world"_a, "stepper"_a, nb::kw_only(), "bodies"_a, "motors"_a,
            "effort"_a, "shape_group"_a, "static_group"_a)
-      .def("frame", &Fleet::frame, nb::kw_only(), "active"_a, "targets"_a, "rests"_a, "rates"_a, "dt"_a,
-           "substeps"_a, "poses"_a, "states"_a, "impulses"_a);
+      .def("frame", &Fleet::frame, nb::kw_only(), "active"_a, "targets"_a, "rests"_a, "rates"_a,
+           "dt"_a, "substeps"_a, "poses"_a, "states"_a, "impulses"_a);
 }

@@ -40,6 +40,7 @@ COVERED_BY = {
     "halfphysics/actors/seat.py": "actors/test_sit_on.py",
     "halfphysics/actors/steps.py": "actors/test_walk_to.py",
     "halfphysics/actors/stoop.py": "actors/test_reach_for.py",
+    "halfphysics/actors/stride.py": "actors/test_walker.py",
     "halfphysics/base/digests.py": "sweep/store/test_sources.py",
     "halfphysics/base/document_*.py": "scene/test_scene_file.py sweep/plan/test_plan_file.py",
     "halfphysics/base/field_checks.py": "base/test_validation.py sweep/plan/test_plan.py",

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from halfphysics.actors.limbs import ArmBones, vec
+from halfphysics.actors.stride import SIGN, Stand, Stride
 from halfphysics.actors.turns import (
     Quat,
     Vec,
@@ -18,7 +19,7 @@ from halfphysics.actors.turns import (
     plus,
     rotate,
 )
-from halfphysics.actors.walker import SIDES, SIGN, Stand, Stride, Walker
+from halfphysics.actors.walker import SIDES, Walker
 from halfphysics.motion.pose import Pose
 from halfphysics.motion.skeleton import JOINT_INDEX, N_JOINTS
 from halfphysics.scenarios.acting import posture

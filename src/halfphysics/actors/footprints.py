@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from halfphysics.actors.foot import Foothold
-from halfphysics.actors.walker import SIDES, SIGN
+from halfphysics.actors.stride import SIGN
+from halfphysics.actors.walker import SIDES
 from halfphysics.base import rotations as rot
 from halfphysics.motion.skeleton import JOINT_INDEX
 from halfphysics.scenarios.acting.gait import TOES_OUT

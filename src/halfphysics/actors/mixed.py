@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-class Placed(Protocol):
+class Restartable(Protocol):
     """An actor that can begin anywhere: a `Clip`, a `Person`."""
 
     def reset(self, seed: int = 0) -> Pose: ...
@@ -49,7 +49,7 @@ class Mixed:
         InputError: No actors, or one that cannot begin anywhere.
     """
 
-    def __init__(self, body: Body, actors: Mapping[str, Placed], *, lock: bool = True) -> None:
+    def __init__(self, body: Body, actors: Mapping[str, Restartable], *, lock: bool = True) -> None:
         if not actors or not all(hasattr(actor, "restart") for actor in actors.values()):
             raise InputError(
                 "Mixed: expected a mapping from names to actors that can begin anywhere (Clip, "
@@ -71,7 +71,7 @@ class Mixed:
         return self._shown
 
     @property
-    def current(self) -> Placed:
+    def current(self) -> Restartable:
         """The actor that plays now."""
         return self.actors[self.name]
 

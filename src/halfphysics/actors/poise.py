@@ -20,8 +20,9 @@ from halfphysics.actors.gaze import Look
 from halfphysics.actors.reach import Reach
 from halfphysics.actors.seat import Seat
 from halfphysics.actors.stoop import Stoop
+from halfphysics.actors.stride import SIGN, Stand, Stride
 from halfphysics.actors.turns import Vec, about_x, multiply, plus
-from halfphysics.actors.walker import SIDES, SIGN, Stand, Stride
+from halfphysics.actors.walker import SIDES
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body

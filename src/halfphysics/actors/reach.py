@@ -9,6 +9,7 @@ import numpy as np
 from halfphysics.actors.figure import CURL, ArmTurns, Chest, Figure
 from halfphysics.actors.glides import Glide, Spring
 from halfphysics.actors.limbs import vec
+from halfphysics.actors.stride import SIGN
 from halfphysics.actors.turns import (
     Quat,
     Vec,
@@ -24,7 +25,6 @@ from halfphysics.actors.turns import (
     times,
     unit,
 )
-from halfphysics.actors.walker import SIGN
 from halfphysics.body.joint_ranges import JointRanges
 from halfphysics.scenarios.acting.reaching import knuckle_ahead, palm_depth
 

@@ -6,8 +6,8 @@ import math
 
 from halfphysics.actors.figure import ArmTurns, Gaze, Trunk
 from halfphysics.actors.glides import Glide
+from halfphysics.actors.stride import Stand
 from halfphysics.actors.turns import Vec, about_x, about_y, multiply, plus, times
-from halfphysics.actors.walker import Stand
 
 #: Of a person who sits, by the length of its legs: how far the pelvis is behind the ankles, and
 #: its joint above the seat, which gives by two centimetres.

@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 from halfphysics.actors.foot import Foothold
 from halfphysics.actors.path import Path
+from halfphysics.actors.stride import SIGN
 from halfphysics.actors.turns import wrapped
-from halfphysics.actors.walker import OTHER, SIDES, SIGN, Walker
+from halfphysics.actors.walker import OTHER, SIDES, Walker
 from halfphysics.scenarios.acting.walk_plan import WALK_RATIO
 
 # Farthest that a foot turns from the other one [rad]: walking, and on the spot.

@@ -6,8 +6,8 @@ import math
 
 from halfphysics.actors.figure import Trunk
 from halfphysics.actors.glides import Spring
+from halfphysics.actors.stride import Stand
 from halfphysics.actors.turns import Vec, about_x, multiply, plus, wrapped
-from halfphysics.actors.walker import Stand
 
 #: The farthest that the trunk leans [rad], and sinks [m].
 MOST, LOWEST = 0.9, 0.42

@@ -9,109 +9,58 @@ as the legs allow.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from halfphysics.actors.foot import Foot, Foothold, FootPose, ease, swung
 from halfphysics.actors.limbs import LegBones
+from halfphysics.actors.stride import (
+    SIGN,
+    USUAL_STEP,
+    Knot,
+    Stand,
+    Step,
+    Stride,
+    arch,
+    between,
+    middle,
+    near,
+    share,
+    stride_of,
+)
 from halfphysics.actors.turns import (
     WORLD_FROM_REST,
-    Quat,
-    Vec,
     about_x,
     about_y,
     about_z,
     multiply,
     plus,
     rotate,
-    wrapped,
 )
 from halfphysics.scenarios.acting import posture
 from halfphysics.scenarios.acting.gait import DOUBLE, WIDTH
 from halfphysics.scenarios.acting.legs import leg_of
-from halfphysics.scenarios.acting.walk_plan import WALK_RATIO
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
 
 SIDES = ("left", "right")
-#: Side -> its sign along the person's left.
-SIGN = {"left": 1.0, "right": -1.0}
 OTHER = {"left": "right", "right": "left"}
 #: Height of soles above the ground [m]: more than twice the simulator's clearance.
 GROUND = 0.004
 
 _PELVIS_YAW, _PELVIS_LIST = float(posture.PELVIS_YAW), float(posture.PELVIS_LIST)
 _LEAN, _SWAY = float(posture.LEAN), posture.SWAY
-# Length of a step at the usual speed [m]: amplitudes go with the square of a step's length.
-_USUAL_STEP = math.sqrt(WALK_RATIO * posture.USUAL)
 # What the pelvis is below the height at which a leg is straight [m].
 _BENT = 0.004
 # What it is lower at the end of a step, so that it can rise before [m].
 _SLACK = 0.004
 # Largest rise of the pelvis in the middle of a step, and largest dip [m].
 _RISE, _DIP = 0.035, -0.05
-_ARCH = 7.0**7 / (3.0**3 * 4.0**4)
-# Weight shift of a step on the spot, towards the standing foot [m].
-_SHIFT = 0.03
 # Time constant with which the pace changes [s].
 _PACE_TIME = 0.12
 # Where in a step heights are looked at, the first part of the next step included.
 _MIDDLE = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.76)
 _END = (0.81, 0.84, 0.87, 0.9, 1.0, 1.06, 1.12)
-
-
-class Stride(NamedTuple):
-    """What a person does above its feet: amplitude of the walk, and its two phases.
-
-    Attributes:
-        going: 0 standing, 1 walking at the usual speed.
-        ahead: 1 with the left foot in front, -1 with the right one.
-        swings: 1 in the middle of a left step, -1 in the middle of a right one.
-    """
-
-    going: float
-    ahead: float
-    swings: float
-
-
-class Stand(NamedTuple):
-    """Pelvis and feet at one moment, world.
-
-    Attributes:
-        pelvis: Position of the pelvis joint [m].
-        root: Its rotation.
-        yaw: Heading of the person [rad].
-        feet: Left and right foot.
-        stride: Of arms and trunk.
-    """
-
-    pelvis: Vec
-    root: Quat
-    yaw: float
-    feet: tuple[FootPose, FootPose]
-    stride: Stride
-
-
-@dataclass
-class _Knot:
-    """The pelvis where both feet are down: (x, y, heading), its change by phase, height, going."""
-
-    at: Vec
-    rate: Vec = (0.0, 0.0, 0.0)
-    height: float = 0.0
-    going: float = 0.0
-
-
-@dataclass
-class _Step:
-    side: str
-    start: int
-    before: Foot
-    after: Foot
-    first: _Knot
-    last: _Knot
-    bump: float = 0.0
 
 
 class Walker:
@@ -171,15 +120,15 @@ class Walker:
     def stand_at(self, at: Foothold) -> None:
         """Stand at a place, at once."""
         self._feet = {side: Foot(self.placed(at, side)) for side in SIDES}
-        self._step: _Step | None = None
+        self._step: Step | None = None
         self._phase, self._pace, self._wanted = 0.0, 0.0, 0.0
         self._last_side = "left"
-        self._knot = _Knot((at.x, at.y, at.yaw))
+        self._knot = Knot((at.x, at.y, at.yaw))
         self._knot.height = self._limit(0.0) - _BENT
 
     def stand_on(self, left: Foothold, right: Foothold) -> None:
         """Stand on two footholds, at once."""
-        self.stand_at(Foothold(*_middle(left, right)))
+        self.stand_at(Foothold(*middle(left, right)))
         self._feet = {"left": Foot(left), "right": Foot(right)}
         self._knot.height = self._limit(0.0) - _BENT
 
@@ -196,52 +145,51 @@ class Walker:
         """
         start, other = round(self._phase), OTHER[side]
         first = self._knot
-        middle = _middle(self._feet[other].hold, to)
-        last = _Knot(_near(middle, first.at))
+        last = Knot(near(middle(self._feet[other].hold, to), first.at))
         if then is not None:
-            after = _near(_middle(to, then), last.at)
+            after = near(middle(to, then), last.at)
             last.rate = tuple(0.5 * (b - a) for a, b in zip(first.at, after, strict=True))  # type: ignore[assignment]
             c, s = math.cos(last.at[2]), math.sin(last.at[2])
             forward = max(0.0, c * last.rate[0] + s * last.rate[1])
-            last.going = min((forward / _USUAL_STEP) ** 2, 1.5)
+            last.going = min((forward / USUAL_STEP) ** 2, 1.5)
         lifts = self._rolled_off(side, start, first)
         self._feet[other] = self._roll_after(other, start, last, then)
-        lands = Foot(to, start + 1.0 - 0.5 * DOUBLE, _share(self._ahead(to, last)))
-        self._step = _Step(side, start, lifts, lands, first, last)
+        lands = Foot(to, start + 1.0 - 0.5 * DOUBLE, share(self._ahead(to, last)))
+        self._step = Step(side, start, lifts, lands, first, last)
         self._rise(self._step)
         self._wanted = 1.0 / seconds
         if not self.moving:
             self._pace = self._wanted
         self._last_side = side
 
-    def _ahead(self, hold: Foothold, knot: _Knot, phases: float = -0.5 * DOUBLE) -> float:
+    def _ahead(self, hold: Foothold, knot: Knot, phases: float = -0.5 * DOUBLE) -> float:
         """How far a foothold is ahead of the pelvis some phases after a knot [m]."""
         x = knot.at[0] + phases * knot.rate[0]
         y = knot.at[1] + phases * knot.rate[1]
         return math.cos(hold.yaw) * (hold.x - x) + math.sin(hold.yaw) * (hold.y - y)
 
-    def _rolled_off(self, side: str, start: int, knot: _Knot) -> Foot:
+    def _rolled_off(self, side: str, start: int, knot: Knot) -> Foot:
         """The foot that lifts now; from standing its heel rises first."""
         foot = self._feet[side]
         if foot.behind:
             return foot
         return Foot(foot.hold, foot.strike, foot.ahead, start, 0.6, 0.15)
 
-    def _roll_after(self, side: str, start: int, knot: _Knot, then: Foothold | None) -> Foot:
+    def _roll_after(self, side: str, start: int, knot: Knot, then: Foothold | None) -> Foot:
         """The standing foot of a step: it rolls off if it is the next to lift."""
         foot = self._feet[side]
         if then is None:
             return Foot(foot.hold, foot.strike, foot.ahead)
-        behind = max(_share(-self._ahead(foot.hold, knot, 0.5 * DOUBLE)), 0.15)
+        behind = max(share(-self._ahead(foot.hold, knot, 0.5 * DOUBLE)), 0.15)
         return Foot(foot.hold, foot.strike, foot.ahead, start + 0.34, 0.95, behind)
 
-    def _rise(self, step: _Step) -> None:
+    def _rise(self, step: Step) -> None:
         """Heights of the pelvis at the end of a step and in its middle, by what legs can reach."""
         step.last.height = min(self._limit(u) for u in _END) - _BENT - _SLACK
         way, bump = step.last.height - step.first.height, _RISE
         for u in (*_MIDDLE, *_END[:4]):
             free = self._limit(u) - _BENT - step.first.height - ease(u) * way
-            bump = min(bump, free / _arch(u))
+            bump = min(bump, free / arch(u))
         step.bump = max(bump, _DIP)
 
     def advance(self, dt: float) -> bool:
@@ -271,7 +219,7 @@ class Walker:
             return self._at(0.0, self._knot.height)
         u = self._phase - step.start
         first, last = step.first.height, step.last.height
-        return self._at(u, first + ease(u) * (last - first) + step.bump * _arch(u))
+        return self._at(u, first + ease(u) * (last - first) + step.bump * arch(u))
 
     def _limit(self, u: float) -> float:
         """The height of the pelvis at which a leg is straight, at u of the step [m]."""
@@ -291,8 +239,8 @@ class Walker:
         if step is None:
             (x, y, yaw), stride, shift = self._knot.at, Stride(self._knot.going, 0.0, 0.0), 0.0
         else:
-            x, y, yaw = _between(step.first, step.last, u)
-            stride, shift = _stride(step, u)
+            x, y, yaw = between(step.first, step.last, u)
+            stride, shift = stride_of(step, u)
         feet = tuple(self._foot(side, u) for side in SIDES)
         going, ahead, swings = stride
         turn = multiply(
@@ -313,47 +261,3 @@ class Walker:
         else:
             pose = self._feet[side].pose(leg, left, step.start + u)
         return FootPose(plus(pose.ankle, (0.0, 0.0, GROUND)), pose.turn, pose.bend)
-
-
-def _arch(u: float) -> float:
-    """The pelvis's rise in a step: 1 at its highest, early, since a leg that swings to its landing
-    pulls the pelvis down.
-    """
-    v = max(0.0, 1.0 - u)
-    return _ARCH * u * u * u * v * v * v * v
-
-
-def _share(distance: float) -> float:
-    """Of a full heel strike or roll, for a foot that far ahead or behind [m]."""
-    return min(max(distance / (0.5 * _USUAL_STEP), 0.0), 1.0)
-
-
-def _middle(a: Foothold, b: Foothold) -> Vec:
-    return (0.5 * (a.x + b.x), 0.5 * (a.y + b.y), a.yaw + 0.5 * wrapped(b.yaw - a.yaw))
-
-
-def _near(at: Vec, to: Vec) -> Vec:
-    """The same place, its heading within half a turn of that of `to`."""
-    return (at[0], at[1], to[2] + wrapped(at[2] - to[2]))
-
-
-def _between(first: _Knot, last: _Knot, u: float) -> Vec:
-    """The quintic with no acceleration at its ends; beyond its end it goes on evenly."""
-    if u >= 1.0:
-        return plus(last.at, last.rate, u - 1.0)
-    e, cube = ease(u), u * u * u
-    a = u - cube * (6.0 - u * (8.0 - 3.0 * u))
-    b = cube * (-4.0 + u * (7.0 - 3.0 * u))
-    return tuple(  # type: ignore[return-value]
-        p + e * (q - p) + a * v + b * w
-        for p, v, q, w in zip(first.at, first.rate, last.at, last.rate, strict=True)
-    )
-
-
-def _stride(step: _Step, u: float) -> tuple[Stride, float]:
-    """Amplitude and phases of a step, and the shift of weight to the left [m]."""
-    left = SIGN[step.side]
-    going = step.first.going + ease(u) * (step.last.going - step.first.going)
-    c, s = math.cos(math.pi * u), math.sin(math.pi * u)
-    shift = -left * _SHIFT * max(0.0, 1.0 - going) * s * s
-    return Stride(going, -left * c, left * s), shift

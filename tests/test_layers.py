@@ -58,9 +58,13 @@ LAYERS = {
         "errors base motion geometry body settings scene results simulation baselines formats "
         "labels scenarios __version__"
     ),
+    "envs": (
+        "errors base motion geometry body settings scene results simulation render scenarios "
+        "actors _native"
+    ),
     "bench": (
         "errors base motion geometry body settings scene results simulation metrics baselines "
-        "render labels mujoco scenarios viewer sweep _native"
+        "render labels mujoco scenarios viewer sweep envs _native"
     ),
     "cli": (
         "errors base motion body settings scene results simulation metrics baselines repair "

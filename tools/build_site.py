@@ -64,7 +64,7 @@ CONTENTS = {
     "Start": ["install", "tutorials/index", "first-steps", "scenarios", "gallery", "limits"],
     "How to": [
         *("viewer", "browser", "live", "protocols", "pictures", "python", "mujoco", "actors"),
-        *("c-api", "fix", "holds", "labels", "sweeps"),
+        *("envs", "c-api", "fix", "holds", "labels", "sweeps"),
     ],
     "Look up": [
         *("reference/index", "reference/commands", "formats", "scene-files", "result-files"),

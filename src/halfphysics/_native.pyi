@@ -529,6 +529,43 @@ class HostedWorld:
 
     def points(self) -> NDArray[numpy.float64]: ...
 
+class Fleet:
+    def __init__(
+        self,
+        worlds: int,
+        threads: int,
+        *,
+        bodies: int,
+        motors: int,
+        groups: int,
+    ) -> None: ...
+
+    def put(
+        self,
+        world: int,
+        stepper: object,
+        *,
+        bodies: Annotated[NDArray[numpy.int32], "(*,)"],
+        motors: Annotated[NDArray[numpy.int32], "(*,)"],
+        effort: Annotated[NDArray[numpy.float64], "(*,)"],
+        shape_group: Annotated[NDArray[numpy.int32], "(*,)"],
+        static_group: Annotated[NDArray[numpy.int32], "(*,)"],
+    ) -> None: ...
+
+    def frame(
+        self,
+        *,
+        active: Annotated[NDArray[numpy.int32], "(*,)"],
+        targets: Annotated[NDArray[numpy.float64], "(*, *)"],
+        rests: Annotated[NDArray[numpy.float64], "(*, *)"],
+        rates: Annotated[NDArray[numpy.float64], "(*, *)"],
+        dt: float,
+        substeps: int,
+        poses: Annotated[NDArray[numpy.float64], "(*, *)"],
+        states: Annotated[NDArray[numpy.float64], "(*, *)"],
+        impulses: Annotated[NDArray[numpy.float64], "(*, *)"],
+    ) -> None: ...
+
 def kinematics(
     rotations: Annotated[NDArray[numpy.float64], "(*, *, 3)"],
     root: Annotated[NDArray[numpy.float64], "(*, 3)"],

@@ -50,6 +50,7 @@ SETTINGS = {
     "setup": 1,
     "clip": 1,
     "batch": 2,
+    "envs": 6,
     "instructions": 0,  # no valgrind, test_instructions.py
     "metrics": 4,
     "viewer": 3,
@@ -60,7 +61,15 @@ SETTINGS = {
 }
 SWEEPS = {"sweep", "sweep-parts", "sweep-memory"}
 WHOLE = {"setup", "clip", "batch"}
-ALONE = {"tree", "metrics", "viewer", "skinning", *WHOLE, *SWEEPS}  # no parts beside the skin
+ALONE = {
+    "envs",
+    "tree",
+    "metrics",
+    "viewer",
+    "skinning",
+    *WHOLE,
+    *SWEEPS,
+}  # no parts beside the skin
 PRESSED = ("grasp", "lift", "glass", "sofa", "lean", "settle")
 WITH_PEER = {"free", "live", "stepper", "wall", "near", "sweep", "sweep-parts", *WHOLE, *PRESSED}
 
@@ -105,7 +114,12 @@ def test_all_cases_leave_complete_records(measured):
         for record in records:
             assert record["frames"] > 0
             units = {"metrics": "s", "tree": "s", "viewer": "updates/s", "setup": "s"}
-            units |= {"sweep": "variants/s", "sweep-parts": "s", "sweep-memory": "MB"}
+            units |= {
+                "envs": "steps/s",
+                "sweep": "variants/s",
+                "sweep-parts": "s",
+                "sweep-memory": "MB",
+            }
             assert record["unit"] == units.get(case, "frames/s")
             assert len(record["ours"]) == (10 if case == "sweep-memory" else 1)
             assert all(math.isfinite(x) and x > 0.0 for x in record["ours"])

@@ -281,3 +281,9 @@ def test_variant_is_made_once_and_written_whole(
     monkeypatch.undo()
     with pytest.raises(FileError, match="nowhere"):
         body.save_mjcf(tmp_path / "nowhere" / "a.xml")
+
+
+def test_main_joint_is_the_one_of_the_largest_weight():
+    body = Body.default()
+    assert np.array_equal(body.main_joint, np.argmax(body.weights, axis=1))
+    assert not body.main_joint.flags.writeable

@@ -130,3 +130,10 @@ def test_people_who_react(capsys):
     touched = {result.names[k] for k in np.unique(result.contacts.other)}
     assert touched <= {"floor", "bench", "cup", "table"}, "nobody touches the pillar or each other"
     assert "bench" in touched
+
+
+def test_learn_to_pass():
+    """Few steps: that it runs, and says four scores; learning is for the campaign."""
+    pytest.importorskip("stable_baselines3")
+    found = example("08_learn_to_pass.py")["main"](steps=64, episodes=2, worlds=2)
+    assert list(found) == ["by chance", "by hand", "PPO before", "PPO after"]

@@ -8,12 +8,14 @@ import pytest
 
 import halfphysics as hp
 from halfphysics import scenarios
+from halfphysics.base import rotations as rot
 from halfphysics.simulation.compiled_model import (
     armature_of,
     compile_model,
     joint_arrays,
     model_arrays,
 )
+from halfphysics.simulation.holding import Hold
 from halfphysics.simulation.joined_model import join_model, object_inertia
 from halfphysics.simulation.names import Names
 from halfphysics.simulation.simulator import Simulator
@@ -81,6 +83,21 @@ def test_held_objects():
     simulator.attach(next(iter(story.scene.objects)), "left_wrist")
     same(simulator.world.joined, simulator.world.model)
     assert isinstance(simulator.world.model, mujoco.MjModel)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_any_holds(seed):
+    """Several objects, one after the other on one part too, of any person, at any pose."""
+    scene, rng = room(), np.random.default_rng(seed)
+    bodies = [hp.Body.default(), hp.Body.default(stature=1.9)]
+    held = {}
+    for name in ("box1", "box3", "box4", "mug"):
+        quaternion = rot.normalize(rng.normal(size=4))
+        place = tuple(map(float, rng.normal(size=3)))
+        joint = int(rng.choice([0, 15, 20, 21, 54]))
+        held[name] = Hold(int(rng.integers(2)), joint, place, tuple(map(float, quaternion)))
+    given = (bodies, Names.of(scene, 2).people, scene, held, armature_of(np.ones(55)))
+    same(join_model(*given), compile_model(*given))
 
 
 def test_a_name_that_is_not_there():

@@ -19,6 +19,10 @@ SOURCES = ROOT / "src"
 #: Source files below src ("*" stands for any characters) -> tests below tests.
 COVERED_BY = {
     "halfphysics/__main__.py": "cli/test_cli.py",
+    "halfphysics/bench/envs.py": "bench/test_bench.py",
+    "halfphysics/envs/pictures.py": "envs/test_single.py envs/test_vector.py",
+    "halfphysics/envs/task.py": "envs/test_tasks.py envs/test_vector.py",
+    "halfphysics/envs/walkers.py": "envs/test_corridor.py envs/test_held_door.py",
     "halfphysics/errors.py": "test_api.py",
     "halfphysics/settings.py": "test_api.py base/test_validation.py cli/test_cli.py",
     "halfphysics/actors/actor.py": "actors/test_person.py",

@@ -130,6 +130,12 @@ CASES: Mapping[str, tuple[str, str, str]] = MappingProxyType(
             "8 such worlds in which the arm presses on the person, by one call, processor time of "
             "all threads; and by the clock. Baseline: Control.step, world after world",
         ),
+        "envs": (
+            "envs",
+            "envs",
+            "environments of robots and people, 16 side by side on all cores, by the clock; "
+            "no baseline",
+        ),
         "instructions": (
             "instructions",
             "instructions",

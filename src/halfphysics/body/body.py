@@ -318,6 +318,13 @@ class Body(InNotebook, ReadOnly):
         )
 
     @cached_property
+    def main_joint(self) -> NDArray[np.int64]:
+        """Of every skin vertex the joint with the largest weight (V,)."""
+        joint: NDArray[np.int64] = np.argmax(self.weights, axis=1)
+        joint.setflags(write=False)
+        return joint
+
+    @cached_property
     def variant(self) -> Variant:
         """The 55 rigid parts of this shape, made once and kept for the next process."""
         from halfphysics.body.body_cache import variant_of

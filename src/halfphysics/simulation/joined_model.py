@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from halfphysics.body.mjcf_person import UPRIGHT, principal
 from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS, PARENTS
 from halfphysics.scene.trajectories import KinematicObject
-from halfphysics.simulation.compiled_model import compile_model, compiled_inertia
+from halfphysics.simulation.compiled_model import compiled_inertia
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -128,13 +128,17 @@ def join_model(
     Raises:
         ValueError: MuJoCo refuses a mass or an inertia.
     """
-    if held:  # a body of the person's tree
-        return joined([_tree_of(compile_model(bodies, people, scene, held, armature))])
     trees = [
         _person_tree(body.variant, f"{name}/", armature)
         for name, body in zip(people, bodies, strict=True)
     ]
-    trees += [_object_tree(item) for item in scene.objects.values()]
+    for name, item in scene.objects.items():
+        hold = held.get(name)
+        if hold is None:
+            trees.append(_object_tree(item))
+        else:  # a body of the person's tree
+            part = f"{people[hold.person]}/{hold.part}"
+            trees[hold.person] = _holding(trees[hold.person], part, item, hold)
     return joined(trees + [_articulated_tree(item) for item in scene.articulated.values()])
 
 
@@ -303,6 +307,34 @@ def _object_tree(item: Object) -> Tree:
     arrays["body_inertia"], arrays["body_iquat"] = moments[None], turn[None]
     arrays["qpos0"] = arrays["qpos_spring"] = start
     return Tree(arrays, (f"object/{item.name}",), ("",))
+
+
+def _holding(tree: Tree, part: str, item: Object, hold: Hold) -> Tree:
+    """A person's tree with an object as the last child of a part: a body without a joint."""
+    moments, turn = object_inertia(
+        float(item.mass), np.asarray(item.inertia, dtype=np.float64).tobytes()
+    )
+    a, holder = dict(tree.arrays), tree.body_names.index(part)
+    end = holder + 1
+    while end < len(tree.body_names) and a["body_parentid"][end] >= holder:
+        end += 1
+    for key in ("body_parentid", "jnt_bodyid"):  # those from there on are one further
+        a[key] = np.where(a[key] >= end, a[key] + 1, a[key])
+    row: dict[str, Any] = {
+        "body_parentid": holder,
+        **{key: -1 for key in ("body_jntadr", "body_dofadr")},
+        **{key: 0 for key in ("body_jntnum", "body_dofnum")},
+        "body_pos": hold.position,
+        "body_quat": hold.quaternion,
+        "body_ipos": _NOWHERE[0],
+        "body_iquat": turn,
+        "body_mass": item.mass,
+        "body_inertia": moments,
+    }
+    for key in BODY:
+        a[key] = np.insert(a[key], end, row[key], axis=0)
+    names = (*tree.body_names[:end], f"object/{item.name}", *tree.body_names[end:])
+    return Tree(a, names, tree.joint_names)
 
 
 @lru_cache(maxsize=1024)

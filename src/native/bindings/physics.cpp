@@ -31,4 +31,5 @@ void bind_physics(nb::module_& m) {
   bind_probes(m, stepper);
   bind_batch(m);
   bind_hosted_world(m);
+  bind_fleet(m);
 }

@@ -12,6 +12,7 @@ void bind_stepper_system(StepperClass& stepper);  // model, settings, strength
 void bind_skin_shapes(nb::module_& m);
 void bind_batch(nb::module_& m);                   // whole motions on threads
 void bind_hosted_world(nb::module_& m);            // people in another engine's world
+void bind_fleet(nb::module_& m);                   // many worlds, a frame at a time, on threads
 void bind_stepper_shapes(StepperClass& stepper);   // shapes, static geometry, pairs of them
 void bind_stepper_frames(StepperClass& stepper);   // reset, frames, snapshots
 void bind_stepper_results(StepperClass& stepper);  // poses, contacts, clearances

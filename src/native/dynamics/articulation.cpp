@@ -3,6 +3,8 @@
 #include "tuning.h"
 
 #include <cmath>
+#include <limits>
+#include <stdexcept>
 
 #include "dynamics/inertia.h"
 
@@ -47,6 +49,9 @@ void Articulations::finish(const Model& m, const std::vector<char>& others) {
   joints.limited.resize(m.njnt, 0);
   joints.lower.resize(m.njnt, 0.0);
   joints.upper.resize(m.njnt, 0.0);
+  joints.effort.assign(m.njnt, std::numeric_limits<double>::infinity());
+  joints.rate.assign(m.njnt, 0.0);
+  joints.motors.clear(), balanced_.assign(m.nbody, 0);
   bodies_.clear(), dofs_.clear(), joints_.clear(), ends_.clear(), end_joint_.clear();
   std::vector<char> moves(m.nbody, 0);
   for (int b = 1; b < m.nbody; b++)
@@ -71,6 +76,31 @@ void Articulations::finish(const Model& m, const std::vector<char>& others) {
   }
 }
 
+void Articulations::set_motors(const Model& m, const std::vector<int>& motors,
+                               const std::vector<double>& effort) {
+  for (size_t i = 0; i < motors.size(); i++) {
+    const int j = motors[i];
+    if (!std::binary_search(joints_.begin(), joints_.end(), j) || qpos_width(m.jnt_type[j]) != 1)
+      throw std::invalid_argument("set_motors: expected hinges and slides of articulated objects");
+    if (!(effort[i] >= 0)) throw std::invalid_argument("set_motors: expected efforts of 0 or more");
+  }
+  joints.motors = motors;
+  joints.rate.assign(m.njnt, 0.0);
+  balanced_.assign(m.nbody, 0);
+  for (size_t i = 0; i < motors.size(); i++) joints.effort[motors[i]] = effort[i];
+  for (int j : motors)
+    for (int b : bodies_)
+      if (m.root[b] == m.root[m.jnt_body[j]]) balanced_[b] = 1;
+}
+
+void Articulations::set_rests(const Model& m, const double* rests, const double* rates) {
+  for (size_t i = 0; i < joints.motors.size(); i++) {
+    const int j = joints.motors[i];
+    joints.spring[m.jnt_qpos[j]] = rests[i];
+    joints.rate[j] = rates[i];
+  }
+}
+
 bool Articulations::any(const Model& m, const std::vector<char>& active) const {
   for (int d : dofs_)
     if (active[m.dof_body[d]]) return true;
@@ -90,11 +120,12 @@ void Articulations::added_inertia(const Model& m, const std::vector<char>& activ
 void Articulations::impulse(const Model& m, const Kinematics& k, const std::vector<char>& active,
                             Vec3 gravity, const double* qpos, const double* qvel, double h,
                             double* out) {
-  moving_.clear();
+  moving_.clear(), moving_balanced_.clear();
   for (int b : bodies_)
-    if (active[b]) moving_.push_back(b);
+    if (active[b]) (balanced_[b] ? moving_balanced_ : moving_).push_back(b);
   bias_.resize(m.nv);
-  bias_forces(m, k, qvel, gravity, moving_, bias_.data());
+  if (!moving_.empty()) bias_forces(m, k, qvel, gravity, moving_, bias_.data());
+  if (!moving_balanced_.empty()) bias_forces(m, k, qvel, {}, moving_balanced_, bias_.data());
   for (int j : joints_) {
     if (!active[m.jnt_body[j]]) continue;
     const int d = m.jnt_dof[j], q = m.jnt_qpos[j];
@@ -114,8 +145,14 @@ void Articulations::impulse(const Model& m, const Kinematics& k, const std::vect
         for (int i = 0; i < 3; i++) act(i, -K * off[i]);
         break;
       }
-      default:
-        act(0, -K * (qpos[q] - joints.spring[q]));
+      default: {
+        const double D = joints.damping[d], most = joints.effort[j];
+        const double pull = -K * (qpos[q] - joints.spring[q]) + D * joints.rate[j];
+        if (std::fabs(pull - D * qvel[d]) <= most)
+          act(0, pull);
+        else  // at its effort a motor does not feel how far it is off
+          out[d] = h * (-bias_[d] + std::copysign(most, pull - D * qvel[d]));
+      }
     }
   }
 }

@@ -6,6 +6,10 @@
 //     (M + h D + h^2 K) (v* - v) = h (tau_spring - D v - h K v - c),
 // which is implicit in springs and damping: any stiffness is stable (docs/physics.md, "Articulated
 // objects"). A limit of a joint is a contact without friction that moves with one dof.
+//
+// A motor is a spring of a hinge or slide whose rest r moves as it is told, with a damping D against the
+// rest's own velocity: it exerts K (r - q) + D (dr/dt - v), and its effort at most. Trees with motors
+// bear their own weight, as robots' controllers have it: no gravity in c.
 #pragma once
 #include <algorithm>
 #include <vector>
@@ -22,6 +26,9 @@ struct JointForces {
   std::vector<double> spring;        // per coordinate: where the springs rest
   std::vector<char> limited;         // per joint, of hinges and slides
   std::vector<double> lower, upper;  // per joint
+  std::vector<double> effort;        // per joint: the most that its spring exerts [N m or N]
+  std::vector<double> rate;          // per joint: velocity of its spring's rest [rad/s or m/s]
+  std::vector<int> motors;           // joints
 };
 
 // Coriolis, centrifugal and gravity forces c of  M dv/dt + c = tau  at the velocity `qvel`, by recursion
@@ -37,6 +44,11 @@ class Articulations {
 
   // `others`: per body, whether its tree is not an articulated object.
   void finish(const Model& m, const std::vector<char>& others);
+  // After finish(): these joints (hinges and slides) are motors; `effort` [N m or N] for each.
+  void set_motors(const Model& m, const std::vector<int>& motors,
+                  const std::vector<double>& effort);
+  // Where the springs of the motors rest from now on [rad or m], and how fast that moves.
+  void set_rests(const Model& m, const double* rests, const double* rates);
   // Is any of them active?
   bool any(const Model& m, const std::vector<char>& active) const;
   const std::vector<int>& dofs() const { return dofs_; }
@@ -60,7 +72,8 @@ class Articulations {
   std::vector<int> bodies_, dofs_, joints_;
   std::vector<Contact> ends_;  // two per joint that has ends: the lower first
   std::vector<int> end_joint_;
-  std::vector<int> moving_;
+  std::vector<char> balanced_;  // per body: its tree has motors
+  std::vector<int> moving_, moving_balanced_;
   std::vector<double> bias_;
 };
 

@@ -58,7 +58,14 @@ def arm_of(body: Body, side: str) -> Arm:
 
 
 def solve(
-    arm: Arm, collar: Array, shoulder: Array, wrist: Array, hand: Array, pole: Array
+    arm: Arm,
+    collar: Array,
+    shoulder: Array,
+    wrist: Array,
+    hand: Array,
+    pole: Array,
+    *,
+    one_motion: bool = True,
 ) -> dict[int, Array]:
     """Rotations of one arm for a target of its wrist and hand.
 
@@ -73,6 +80,8 @@ def solve(
         wrist: Target position of the wrist [m], (T, 3).
         hand: Target world rotation of the hand, (T, 3, 3).
         pole: Direction of the elbow, (3,) or (T, 3), not parallel to the line shoulder-wrist.
+        one_motion: Whether the rows are the frames of one motion; else each is for itself, its
+            twist within half a turn.
 
     Returns:
         Joint index -> axis-angle (T, 3) in the parent's frame.
@@ -93,7 +102,11 @@ def solve(
     upper, fore = _bone(arm.upper, along, hinge), _bone(arm.fore, end, hinge)
     turn = rot.normalize(rot.from_matrix(np.swapaxes(fore, 1, 2) @ hand))
     axis = arm.fore / b
-    twist = np.unwrap(2.0 * np.arctan2(turn[:, 1:] @ axis, turn[:, 0]))
+    if one_motion:
+        twist = np.unwrap(2.0 * np.arctan2(turn[:, 1:] @ axis, turn[:, 0]))
+    else:  # no product of matrices: its bits would depend on the number of rows
+        twist = 2.0 * np.arctan2(np.sum(turn[:, 1:] * axis, axis=1), turn[:, 0])
+        twist = (twist + np.pi) % (2.0 * np.pi) - np.pi
     part = rot.rotvec_to_matrix(FOREARM * twist[:, None] * axis)
     locals_ = (
         np.swapaxes(collar, 1, 2) @ upper,

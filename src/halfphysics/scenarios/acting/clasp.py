@@ -75,7 +75,7 @@ def _thumb(body: Body, directions: Array) -> dict[int, Array]:
 def _tip(body: Body, joint: int) -> Array:
     """The end of the last bone at rest (3,): the vertex of its skin farthest from the wrist."""
     wrist = body.rest_joints[JOINT_INDEX["right_wrist"]]
-    own = np.argmax(body.weights, axis=1) == joint
+    own = body.main_joint == joint
     skin = np.asarray(body.rest_vertices)[own]
     tip: Array = skin[np.linalg.norm(skin - wrist, axis=1).argmax()]
     return tip

@@ -36,7 +36,7 @@ def _chain(body: Body, side: str) -> tuple[Array, Array]:
     """Wrist and joints of the middle finger (4, 3); skin of its end, from the last joint."""
     joints = np.asarray(body.rest_joints)
     chain = joints[[JOINT_INDEX[f"{side}_{n}"] for n in ("wrist", "middle1", "middle2", "middle3")]]
-    own = np.argmax(body.weights, axis=1) == JOINT_INDEX[f"{side}_middle3"]
+    own = body.main_joint == JOINT_INDEX[f"{side}_middle3"]
     return chain, np.asarray(body.rest_vertices)[own] - chain[3]
 
 

@@ -63,7 +63,7 @@ def leg_of(body: Body, side: str) -> Leg:
     """The `side` ("left" or "right") leg of a body."""
     hip, knee, ankle, toe = (JOINT_INDEX[f"{side}_{n}"] for n in ("hip", "knee", "ankle", "foot"))
     joints = np.asarray(body.rest_joints)
-    part = np.argmax(body.weights, axis=1)
+    part = body.main_joint
     foot = np.asarray(body.rest_vertices)[(part == ankle) | (part == toe)] - joints[ankle]
     low = foot[:, 1].min()
     sole = foot[foot[:, 1] < low + _SOLE]

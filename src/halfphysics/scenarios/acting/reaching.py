@@ -39,7 +39,7 @@ def bent_between(body: Body, joint: int, start: Array, end: Array, share: Array)
 def palm_depth(body: Body, side: str) -> float:
     """Distance of the palm from the wrist joint, along the palm's normal [m]."""
     wrist = JOINT_INDEX[f"{side}_wrist"]
-    own = np.argmax(body.weights, axis=1) == wrist
+    own = body.main_joint == wrist
     return float(np.asarray(body.rest_joints)[wrist, 1] - body.rest_vertices[own, 1].min())
 
 

@@ -1,0 +1,43 @@
+"""Pictures of episodes, by the package's own renderer: no GPU and no display are needed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.base.validation import is_whole, shown
+from halfphysics.errors import InputError
+from halfphysics.render.rasterizer import Camera, Look, render
+from halfphysics.render.result_meshes import Drawing
+
+if TYPE_CHECKING:
+    from halfphysics.envs.task import Task
+    from halfphysics.results.result import Result
+
+#: Width and height if not said otherwise [pixels].
+SIZE = (640, 480)
+#: The largest side of a picture [pixels].
+MOST = 4096
+
+
+def picture(task: Task, i: int = 0, size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:
+    """Episode `i` as it is now, as the task's camera sees it, (H, W, 3).
+
+    Args:
+        task: The episodes.
+        i: Index of the episode.
+        size: Width and height [pixels].
+
+    Raises:
+        InputError: An impossible size.
+    """
+    if not (len(size) == 2 and all(is_whole(s, least=1) and s <= MOST for s in size)):
+        raise InputError(f"size: found {shown(size)}, expected two whole numbers from 1 to {MOST}")
+    drawing = Drawing(cast("Result", task.worlds.moment(i)))
+    surfaces = drawing.surfaces(0)
+    view = task.view
+    camera = Camera(position=np.array(view.position), target=np.array(view.target), fov=view.fov)
+    look = Look().aimed(camera, drawing.middle)
+    return np.asarray(render(list(surfaces.values()), camera, size, look=look), dtype=np.uint8)

@@ -1,0 +1,53 @@
+"""Policies without learning, and scores."""
+
+import numpy as np
+import pytest
+
+from halfphysics.envs import policies
+from halfphysics.envs.policies import score
+from halfphysics.envs.tasks import names, task_class
+from halfphysics.errors import InputError
+
+
+@pytest.mark.parametrize("task", names())
+def test_actions_are_in_their_ranges(task):
+    made = task_class(task)
+    seen = np.random.default_rng(3).uniform(
+        made.observed.low, made.observed.high, (50, made.observed.size)
+    )
+    for policy in (policies.random(task, seed=2), policies.scripted(task)):
+        actions = np.asarray(policy(seen.astype(np.float32)))
+        assert actions.shape == (50, made.actions.size)
+        assert (actions >= made.actions.low - 1e-12).all()
+        assert (actions <= made.actions.high + 1e-12).all()
+
+
+@pytest.mark.parametrize("task", names())
+def test_no_row_of_a_script_depends_on_the_others(task):
+    made, policy = task_class(task), policies.scripted(task)
+    seen = np.random.default_rng(3).uniform(
+        made.observed.low, made.observed.high, (9, made.observed.size)
+    )
+    seen = seen.astype(np.float32)
+    assert np.array_equal(policy(seen)[4:5], policy(seen[4:5]))
+
+
+def test_a_score_does_not_depend_on_what_is_side_by_side():
+    given = {"episodes": 3, "seed": 50}
+    one = score("HandOver", policies.scripted("HandOver"), worlds=1, **given)
+    assert one == score("HandOver", policies.scripted("HandOver"), worlds=2, threads=2, **given)
+    assert one.success == 1.0
+    assert one.mean > 4.0
+    assert "success 100 %" in str(one)
+
+
+def test_chance_does_worse():
+    given = {"episodes": 3, "seed": 50, "worlds": 3}
+    assert score("HandOver", policies.random("HandOver"), **given).mean < 0.0
+
+
+def test_mistakes():
+    with pytest.raises(InputError, match="task: found"):
+        policies.scripted("HandOvr")
+    with pytest.raises(InputError, match="episodes: found 0"):
+        score("HandOver", policies.random("HandOver"), episodes=0)

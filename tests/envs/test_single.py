@@ -1,0 +1,108 @@
+"""The face of gymnasium.make: its checker, seeds, pictures, mistakes."""
+
+import subprocess
+import sys
+import warnings
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+import halfphysics.envs
+from halfphysics.envs.tasks import names
+from halfphysics.errors import InputError
+
+
+@pytest.mark.parametrize("task", names())
+def test_gymnasium_has_nothing_to_say(task):
+    env = gymnasium.make(f"halfphysics/{task}-v0", size=(64, 48))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(env.unwrapped)
+
+
+@pytest.mark.parametrize("task", names())
+def test_the_same_seed_is_the_same_episode(task):
+    def run(env, seed):
+        seen, _ = env.reset(seed=seed)
+        rows = [seen]
+        chance = np.random.default_rng(1)
+        for _ in range(12):
+            action = chance.uniform(-1, 1, env.action_space.shape)
+            rows.append(np.append(*env.step(action)[:2]).astype(np.float64))
+        return b"".join(row.tobytes() for row in rows)
+
+    env = gymnasium.make(f"halfphysics/{task}-v0")
+    first = run(env, 3)
+    assert run(env, 4) != first
+    assert run(env, 3) == first
+
+
+def test_without_a_seed_chance_goes_on():
+    env = gymnasium.make("halfphysics/HandOver-v0")
+    a, b = env.reset()[0], env.reset()[0]
+    assert not np.array_equal(a, b)
+
+
+def test_a_picture_shows_the_person_and_the_robot():
+    env = gymnasium.make("halfphysics/HandOver-v0", render_mode="rgb_array", size=(120, 90))
+    env.reset(seed=1)
+    picture = env.render()
+    assert picture.shape == (90, 120, 3)
+    assert picture.dtype == np.uint8
+    colors = picture.reshape(-1, 3).astype(int)
+    # The person's and the pedestal's colours are far from the floor's and the sky's greys.
+    assert (np.ptp(colors, axis=1) > 60).mean() > 0.03
+    assert np.array_equal(env.render(), picture)
+    assert gymnasium.make("halfphysics/HandOver-v0").render_mode is None
+
+
+def test_an_episode_ends_at_its_longest():
+    env = gymnasium.make("halfphysics/HandOver-v0", steps=3)
+    env.reset(seed=0)
+    ends = [env.step(np.array([0.0, 0.0, 0.0, -1.0]))[2:4] for _ in range(3)]
+    assert ends == [(False, False), (False, False), (False, True)]
+    with pytest.raises(InputError, match="call reset"):
+        env.unwrapped.step(np.zeros(4))
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"render_mode": "human"}, "render_mode: found 'human'"),
+        ({"task": "HandOvr"}, "'HandOver'"),
+        ({"steps": 0}, "steps: found 0"),
+    ],
+)
+def test_impossible_arguments(options, words):
+    from halfphysics.envs.single import SingleEnv
+
+    with pytest.raises(InputError, match=words):
+        SingleEnv(**({"task": "HandOver"} | options))
+
+
+@pytest.mark.parametrize("action", [[0.0], "left", [0.0, 0.0, np.nan, 0.0], None])
+def test_impossible_actions(action):
+    env = gymnasium.make("halfphysics/HandOver-v0").unwrapped
+    env.reset(seed=0)
+    with pytest.raises(InputError, match="step: action"):
+        env.step(action)
+
+
+def test_an_impossible_size():
+    env = gymnasium.make("halfphysics/HandOver-v0", render_mode="rgb_array", size=(0, 10))
+    env.reset(seed=0)
+    with pytest.raises(InputError, match="size"):
+        env.render()
+
+
+def test_registering_again_does_no_harm_and_a_module_in_the_name_is_enough():
+    halfphysics.envs.register()
+    assert "halfphysics/HandOver-v0" in gymnasium.registry
+    code = (
+        "import gymnasium; e = gymnasium.make('halfphysics.envs:halfphysics/Corridor-v0');"
+        "print(e.reset(seed=0)[0].shape)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "(15,)"

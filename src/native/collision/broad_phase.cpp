@@ -78,7 +78,7 @@ void BroadPhase::list_statics(const Model& m, const Bounds& b, int i,
     } else if (S.kind == Static::Kind::HalfSpace) {
       if (dot(S.n, b.sphere[i].center) - b.sphere[i].radius - S.offset > range_[i]) continue;
     } else {
-      const Box3& other = S.kind == Static::Kind::Hull ? S.posed.box : S.tree->box();
+      const Box3& other = S.kind == Static::Kind::Hull ? S.posed.box() : S.tree->box();
       if (!b.tree[m.root[M.body]].meets(other) || !b.box[i].meets(other)) continue;
     }
     if (!world_.pairing(M.name, S.name).ignore) add(i, j, -1, false);

@@ -37,10 +37,9 @@ void NarrowPhase::measure(const Model& m, Poses& start, BroadPhasePair& e,
   c.shape = e.shape;
   c.other_static = e.other_static;
   c.other_shape = e.other_shape;
+  if (e.other_shape >= 0) return add_shapes(m, start, e, c, r, h, out);
   const PosedShape& a = world_.place(start, e.shape);
-  if (e.other_shape >= 0)
-    add_shapes(m, start, a, e, c, r, h, out);
-  else if (world_.statics[e.other_static].kind == Static::Kind::HalfSpace)
+  if (world_.statics[e.other_static].kind == Static::Kind::HalfSpace)
     add_half_space(a, e, c, r, h, out);
   else
     add_static(m, start, a, e, c, valid[e.shape], h, out);
@@ -77,12 +76,11 @@ void NarrowPhase::fix_exit(const PosedShape& a, const PosedShape& b, const Mat3&
 }
 
 // In a pair of a person and an object the person comes first: the normal points into the part.
-void NarrowPhase::add_shapes(const Model& m, Poses& start, const PosedShape& a, BroadPhasePair& e,
-                             ContactCandidate& c, double r, double h,
-                             std::vector<ContactCandidate>& out) {
+void NarrowPhase::add_shapes(const Model& m, Poses& start, BroadPhasePair& e, ContactCandidate& c,
+                             double r, double h, std::vector<ContactCandidate>& out) {
   if (parting_.any() && parting_.between(e.shape, e.other_shape)) return;
-  const PosedShape& b = world_.place(start, e.other_shape);
   if (e.own && broad_phase_.spheres_apart(start, e, r)) return;
+  const PosedShape &a = world_.place(start, e.shape), &b = world_.place(start, e.other_shape);
   // A pair that was far would have left the list if others had had it made anew: it begins afresh.
   if (e.dist > r) e.axis = {}, e.hint = {};
   const Separation s = separate(a, b, e.dist > r ? r + tune::kLookAhead : r, true, e.axis, &e.hint);

@@ -65,8 +65,8 @@ class NarrowPhase {
   // Of one pair, within a distance of r; `c` names the pair.
   void add_half_space(const PosedShape& a, BroadPhasePair& e, ContactCandidate& c, double r,
                       double h, std::vector<ContactCandidate>& out);
-  void add_shapes(const Model& m, Poses& start, const PosedShape& a, BroadPhasePair& e,
-                  ContactCandidate& c, double r, double h, std::vector<ContactCandidate>& out);
+  void add_shapes(const Model& m, Poses& start, BroadPhasePair& e, ContactCandidate& c, double r,
+                  double h, std::vector<ContactCandidate>& out);
   void add_static(const Model& m, Poses& start, const PosedShape& a, BroadPhasePair& e,
                   ContactCandidate& c, double& valid, double h, std::vector<ContactCandidate>& out);
   void resolve(const Model& m, Poses& start, BroadPhasePair& e, double& valid, double h,

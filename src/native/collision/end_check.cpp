@@ -45,15 +45,14 @@ double EndCheck::gap(Poses& p, const BroadPhasePair& e, SeparatingAxes& axes) co
   return S.tree->gap(a, tune::kEndLook, axes);
 }
 
-// By how much the direction that was found last separates a pair at the start; 0 where that is not known,
-// or only for a shape that would have to be posed.
+// By how much the direction that was found last separates a pair at the start, of those that were measured
+// there, whose vertices are posed; 0 of others.
 double EndCheck::room_at(Poses& start, const BroadPhasePair& e) const {
-  const auto posed = [&](int shape) { return start.fresh[shape] != 0; };
-  if (!posed(e.shape)) return 0;
+  if (e.travelled != broad_phase_.travelled(e)) return 0;
   const PosedShape& a = world_.place(start, e.shape);
   const Vec3 n = norm2(e.axis) > 0 ? e.axis : e.axes.n[0];
   if (e.other_shape >= 0) {
-    if (norm2(n) == 0 || !posed(e.other_shape)) return 0;
+    if (norm2(n) == 0) return 0;
     return a.lowest(n) - world_.place(start, e.other_shape).highest(n);
   }
   const Static& S = world_.statics[e.other_static];

@@ -1,4 +1,6 @@
-"""A ball among loose triangles meets the plate ahead of them, however many planes it has."""
+"""What a step takes near something meets it: a ball among loose triangles, however many planes it
+has, and what was farther off than pairs whose plane is sought at once.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +9,7 @@ import numpy as np
 import pytest
 
 from halfphysics.body.body import Body
-from halfphysics.geometry.shapes import Mesh
+from halfphysics.geometry.shapes import Box, Mesh
 from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
 from halfphysics.simulation.simulate import simulate
@@ -99,3 +101,26 @@ def test_a_plate_behind_planes_near_and_far_is_met(body, seed):
     track, _ = thrown(body, vertices, faces, rng.uniform(0.5, 8.0), int(rng.integers(1, 9)))
     assert track.position[:, 0].max() < AHEAD
     assert smallest_gap(track, vertices, faces) > ROUNDING
+
+
+@pytest.mark.parametrize("ahead", [0.004, 0.015, 0.03])
+@pytest.mark.parametrize("what", ["static", "object"])
+def test_what_waits_for_its_plane_is_met(body, what, ahead):
+    """A step of 21 mm crosses gaps at which a bound stands in for the plane."""
+    scene, speed, thick = Scene(gravity=0.0), 5.0, 0.01
+    cube = Box((2 * RADIUS,) * 3)
+    scene.add_object("cube", cube, mass=1.0, position=PLACE, velocity=(speed, 0.0, 0.0))
+    at = PLACE + np.array([RADIUS + ahead + 0.5 * thick, 0.0, 0.0])
+    wall = Box((thick, 2.0, 2.0))
+    if what == "static":
+        scene.add_static("wall", wall, position=at)
+    else:
+        scene.add_object("wall", wall, mass=1000.0, position=at)
+    settings = Settings(substeps=8, record="substeps")
+    result = simulate(t_pose(np.zeros((8, 3))), scene, body=body, settings=settings)
+    steps = result.substeps.objects
+    faces = steps["wall"].position[:, 0] if what == "object" else at[0]
+    gap = faces - 0.5 * thick - RADIUS - steps["cube"].position[:, 0]
+    assert gap.min() > 0.5e-3  # of the clearance of 1 mm
+    assert gap.min() < 2e-3  # it did get there
+    assert not len(result.inside)

@@ -51,7 +51,8 @@ void NarrowPhase::measure(const Model& m, Poses& start, BroadPhasePair& e,
 bool NarrowPhase::add_bound(BroadPhasePair& e, ContactCandidate& c, Known by, double bound,
                             double r, double h, std::vector<ContactCandidate>& out) {
   if (world_.forced || bound < world_.settings.clearance + tune::kWaitingGap) return false;
-  if (e.own) return false;  // a person who moves goes farther than their parts are apart
+  // A person who moves goes farther than their parts are apart. Piles of objects keep their planes.
+  if (e.own || world_.shapes[e.shape].person < 0) return false;
   if (e.other_static >= 0 && world_.statics[e.other_static].kind == Static::Kind::Mesh)
     return false;
   if (e.other_shape >= 0 && parting_.any() && parting_.between(e.shape, e.other_shape))

@@ -12,7 +12,7 @@
 //   depenetration.h. None arises by a step, but a host, or an edit of the scene, may make one: it is
 //   then held and resolved like those at the start.
 //
-// Most pairs within reach do not get near each other in the step. Of those that are kWaitingGap beyond the
+// Most pairs of a person within reach do not get near each other in the step. Of those that are kWaitingGap beyond the
 // clearance by a bound the plane is not sought at once: by what they have travelled since they were
 // measured (nothing is posed), or by the direction that separated them last. Their candidate is the bound
 // alone; it is refined where the step takes them that far.

@@ -191,6 +191,9 @@ constexpr double kFartherLook = 1;
 
 // Pairs are measured this much farther than is asked for, so that the bound lasts [m].
 constexpr double kLookAhead = 0.02;
+// Pairs that are farther apart than the clearance by this, as bounds have it, have their plane sought when a
+// step takes them near each other [m]: of what touches, and of what is about to, it is sought at once.
+constexpr double kWaitingGap = 1e-3;
 // Speed at which a clearance that was lost comes back [m/s]: 1 mm in 20 ms. Objects
 // that were pressed keep that speed when the body lets go: faster, and they fly off.
 constexpr double kRegainSpeed = 0.05;

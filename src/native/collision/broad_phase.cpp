@@ -1,5 +1,6 @@
 #include "collision/broad_phase.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "geometry/separation.h"
@@ -78,7 +79,7 @@ void BroadPhase::list_statics(const Model& m, const Bounds& b, int i,
     } else if (S.kind == Static::Kind::HalfSpace) {
       if (dot(S.n, b.sphere[i].center) - b.sphere[i].radius - S.offset > range_[i]) continue;
     } else {
-      const Box3& other = S.kind == Static::Kind::Hull ? S.posed.box : S.tree->box();
+      const Box3& other = S.kind == Static::Kind::Hull ? S.posed.box() : S.tree->box();
       if (!b.tree[m.root[M.body]].meets(other) || !b.box[i].meets(other)) continue;
     }
     if (!world_.pairing(M.name, S.name).ignore) add(i, j, -1, false);
@@ -96,11 +97,26 @@ void BroadPhase::list_shapes(const Model& m, const Bounds& b, int i) {
   }
 }
 
+namespace {
+
+// The order of the pairs of one shape.
+int other_of(int fixed, int other) { return fixed >= 0 ? fixed : (1 << 30) + other; }
+
+}  // namespace
+
+BroadPhasePair& BroadPhase::pair_of(const ContactCandidate& c) {
+  const int other = other_of(c.other_static, c.other_shape);
+  const auto before = [&](const BroadPhasePair& e, int) {
+    return e.shape < c.shape ||
+           (e.shape == c.shape && other_of(e.other_static, e.other_shape) < other);
+  };
+  return *std::lower_bound(pairs_.begin(), pairs_.end(), 0, before);
+}
+
 // Appends a pair: the one of the list before, if it was there. Both lists are in the same order.
 void BroadPhase::add(int shape, int other_static, int other_shape, bool own) {
-  auto order = [](int fixed, int other) { return fixed >= 0 ? fixed : (1 << 30) + other; };
-  const int mine = order(other_static, other_shape);
-  auto its = [&]() { return order(old_[next_old_].other_static, old_[next_old_].other_shape); };
+  const int mine = other_of(other_static, other_shape);
+  auto its = [&]() { return other_of(old_[next_old_].other_static, old_[next_old_].other_shape); };
   while (next_old_ < old_.size() &&
          (old_[next_old_].shape < shape || (old_[next_old_].shape == shape && its() < mine)))
     next_old_++;

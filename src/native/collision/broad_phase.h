@@ -50,12 +50,13 @@ class BroadPhase {
 
   std::vector<BroadPhasePair>& pairs() { return pairs_; }
   const std::vector<BroadPhasePair>& pairs() const { return pairs_; }
+  // The pair of a candidate, which is listed.
+  BroadPhasePair& pair_of(const ContactCandidate& c);
 
   // Is the pair farther apart than r by its bound? By its planes, the shape being at `a`? By the
   // bounding spheres of two shapes (which improves the bound)?
-  bool far(const BroadPhasePair& e, double r) const {
-    return e.dist - (travelled(e) - e.travelled) > r;
-  }
+  bool far(const BroadPhasePair& e, double r) const { return bound(e) > r; }
+  double bound(const BroadPhasePair& e) const { return e.dist - (travelled(e) - e.travelled); }
   bool behind_planes(const BroadPhasePair& e, const PosedShape& a, double r) const;
   bool spheres_apart(Poses& p, BroadPhasePair& e, double r) const;
   // Were the pair's planes computed for everything within r?

@@ -24,8 +24,8 @@ double distance_below(const CollisionWorld& world, Poses& p, int i, const Boundi
   box.add(sphere.center);
   box.grow(sphere.radius + std::max(best, 0.0));
   if (S.kind == Static::Kind::Hull)
-    return box.meets(S.posed.box) ? separate(world.place(p, i), S.posed, std::max(best, 0.0)).dist
-                                  : kFar;
+    return box.meets(S.posed.box()) ? separate(world.place(p, i), S.posed, std::max(best, 0.0)).dist
+                                    : kFar;
   return box.meets(S.tree->box())
              ? S.tree->distance(world.place(p, i), std::max(best, tune::kLeastRange), near)
              : kFar;

@@ -27,7 +27,8 @@ struct PairId {
 // have travelled since, or, up to `planes_reach`, as far as the planes say. It only saves work:
 // what is skipped for it could not have been a candidate.
 struct BroadPhasePair {
-  static constexpr double kUnknown = -1e300;  // of `dist`
+  static constexpr double kUnknown = -1e300;    // of `dist`
+  static constexpr double kEverywhere = 1e300;  // as a range
 
   int shape = 0;
   int other_static = -1, other_shape = -1;
@@ -46,8 +47,14 @@ struct BroadPhasePair {
   SeparatingAxes axes;
 };
 
+// What is known of a candidate: its plane, or only that the two are no nearer than `dist`, by a direction
+// that separates them or by how far they have travelled since they were measured. What does not get that
+// far in the step needs no plane (narrow_phase.h).
+enum class Known : char { Plane, Direction, Travel };
+
 // A pair of shapes that may meet in this substep, and the plane that is to keep them apart.
 struct ContactCandidate {
+  Known known = Known::Plane;
   int shape = 0;
   int other_static = -1, other_shape = -1;
   Vec3 n;                 // unit, from the other to the shape

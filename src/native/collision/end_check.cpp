@@ -45,6 +45,21 @@ double EndCheck::gap(Poses& p, const BroadPhasePair& e, SeparatingAxes& axes) co
   return S.tree->gap(a, tune::kEndLook, axes);
 }
 
+// By how much the direction that was found last separates a pair at the start, of those that were measured
+// there, whose vertices are posed; 0 of others.
+double EndCheck::room_at(Poses& start, const BroadPhasePair& e) const {
+  if (e.travelled != broad_phase_.travelled(e)) return 0;
+  const PosedShape& a = world_.place(start, e.shape);
+  const Vec3 n = norm2(e.axis) > 0 ? e.axis : e.axes.n[0];
+  if (e.other_shape >= 0) {
+    if (norm2(n) == 0) return 0;
+    return a.lowest(n) - world_.place(start, e.other_shape).highest(n);
+  }
+  const Static& S = world_.statics[e.other_static];
+  if (S.kind == Static::Kind::HalfSpace) return a.lowest(S.n) - S.offset;
+  return S.kind == Static::Kind::Hull && norm2(n) > 0 ? a.lowest(n) - S.posed.highest(n) : 0;
+}
+
 // Overlaps that are resolved, and prescribed poses, which nothing stops.
 bool EndCheck::exempt(const BroadPhasePair& e) const {
   const std::vector<CollisionShape>& shapes = world_.shapes;
@@ -81,7 +96,8 @@ const std::vector<Breach>& EndCheck::find(Poses& start, Poses& end, const std::v
     const double went = moved[e.shape] + (e.other_shape >= 0 ? moved[e.other_shape] : 0.0);
     if (e.room > broad_phase_.travelled(e) - e.room_at + went) continue;
     if (!world_.takes_part(e) || exempt(e)) continue;
-    const double now = gap(end, e, e.axes);
+    const double left = room_at(start, e) - went;
+    const double now = left > 0 ? left : gap(end, e, e.axes);
     measured_.push_back({i, std::max(0.0, now)});
     if (breached(start, e, now)) found_.push_back({{e.shape, e.other_static, e.other_shape}, -now});
   }

@@ -4,7 +4,8 @@
 // takes part and can have come into contact it asks both shapes themselves: is there a direction
 // that separates them? (Of two hulls of one person it asks their bounding spheres at that pose first.)
 // Directions are remembered per pair, but only what they prove at the pose
-// counts. `room`, a lower bound of the distance that was proved at a committed pose, less what the
+// counts: that of the end, or that of the start, less what the step takes the two, which needs no vertex
+// posed anew. `room`, a lower bound of the distance that was proved at a committed pose, less what the
 // two have travelled since, says for most pairs that there is nothing to ask.
 //
 // A step that it refuses is shortened (sub_stepping.h); what cannot be avoided is reported as a
@@ -48,6 +49,7 @@ class EndCheck {
 
  private:
   double gap(Poses& p, const BroadPhasePair& e, SeparatingAxes& axes) const;
+  double room_at(Poses& start, const BroadPhasePair& e) const;
   bool exempt(const BroadPhasePair& e) const;
   bool breached(Poses& start, const BroadPhasePair& e, double gap) const;
 

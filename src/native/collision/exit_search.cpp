@@ -29,7 +29,7 @@ void ExitSearch::find_free_shapes() {
       if (!between[M.body] || world_.pairing(M.name, world_.statics[j].name).ignore) continue;
       const Obstacle other = Obstacle::of_static(world_, j);
       const PosedShape& a = world_.place(start_, i);
-      Box3 near = a.box;
+      Box3 near = a.box();
       near.grow(tune::kFarthestExit);
       if (other.meets(near) && other.clear(displaced(a, {}), tune::kRestingOverlap))
         free_.push_back({i, other});

@@ -179,10 +179,10 @@ bool GapCheck::swept_mesh_clear(const Model& m, const ContactCandidate& c, Poses
       swept.xyz[(size_t)k * 2 * n + n + i] = a1.xyz[(size_t)k * n + i] + c.shift()[k];
     }
   swept.center = 0.5 * (a0.center + c.from + a1.center + c.shift());
-  swept.box = {};
-  for (Vec3 p :
-       {a0.box.lo + c.from, a0.box.hi + c.from, a1.box.lo + c.shift(), a1.box.hi + c.shift()})
-    swept.box.add(p);
+  const Box3 &b0 = a0.box(), &b1 = a1.box();
+  Box3 box;
+  for (Vec3 p : {b0.lo + c.from, b0.hi + c.from, b1.lo + c.shift(), b1.hi + c.shift()}) box.add(p);
+  swept.set_box(box);
   const double margin = 0.125 * paths(m, start, end).acceleration(world_.shapes[c.shape]) +
                         a0.hull->radius + world_.settings.clearance;
   return world_.statics[c.other_static].tree->distance(swept, margin) >= margin;

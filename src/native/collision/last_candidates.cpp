@@ -31,6 +31,11 @@ bool LastCandidates::repeat(BroadPhasePair& e, std::vector<ContactCandidate>& ou
   return true;
 }
 
+void LastCandidates::replace(const ContactCandidate& c) {
+  for (ContactCandidate& k : candidates_)
+    if (pair_key(k) == pair_key(c)) k = c;
+}
+
 void LastCandidates::end(const std::vector<double>& valid,
                          const std::vector<ContactCandidate>& all) {
   valid_ = valid;

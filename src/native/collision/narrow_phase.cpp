@@ -37,13 +37,72 @@ void NarrowPhase::measure(const Model& m, Poses& start, BroadPhasePair& e,
   c.shape = e.shape;
   c.other_static = e.other_static;
   c.other_shape = e.other_shape;
+  if (add_bound(e, c, Known::Travel, broad_phase_.bound(e), r, h, out)) return;
+  if (e.other_shape >= 0) return add_shapes(m, start, e, c, r, h, out);
   const PosedShape& a = world_.place(start, e.shape);
-  if (e.other_shape >= 0)
-    add_shapes(m, start, a, e, c, r, h, out);
-  else if (world_.statics[e.other_static].kind == Static::Kind::HalfSpace)
+  if (world_.statics[e.other_static].kind == Static::Kind::HalfSpace)
     add_half_space(a, e, c, r, h, out);
   else
     add_static(m, start, a, e, c, valid[e.shape], h, out);
+}
+
+// The candidate of a pair whose plane need not be known yet; false if it is to be sought. `bound`: of the
+// pair's distance.
+bool NarrowPhase::add_bound(BroadPhasePair& e, ContactCandidate& c, Known by, double bound,
+                            double r, double h, std::vector<ContactCandidate>& out) {
+  if (world_.forced || bound < world_.settings.clearance + tune::kWaitingGap) return false;
+  // A person who moves goes farther than their parts are apart. Piles of objects keep their planes.
+  if (e.own || world_.shapes[e.shape].person < 0) return false;
+  if (e.other_static >= 0 && world_.statics[e.other_static].kind == Static::Kind::Mesh)
+    return false;
+  if (e.other_shape >= 0 && parting_.any() && parting_.between(e.shape, e.other_shape))
+    return false;
+  if (by == Known::Direction) broad_phase_.measured(e, bound);
+  if (bound > r) return true;
+  c.known = by;
+  c.dist = bound;
+  targets_.set(c, h);
+  out.push_back(c);
+  return true;
+}
+
+// By how much the direction of the last measurement separates the two; none, if there is none.
+double NarrowPhase::bound_along(Poses& start, const BroadPhasePair& e) const {
+  if (norm2(e.axis) == 0) return BroadPhasePair::kUnknown;
+  const double low = world_.place(start, e.shape).lowest(e.axis);
+  return low - (e.other_shape >= 0 ? world_.place(start, e.other_shape).highest(e.axis)
+                                   : world_.statics[e.other_static].posed.highest(e.axis));
+}
+
+void NarrowPhase::refine(const Model& m, Poses& start, double h, int index,
+                         std::vector<ContactCandidate>& all) {
+  ContactCandidate& c = all[index];
+  BroadPhasePair& e = broad_phase_.pair_of(c);
+  const bool travel = c.known == Known::Travel;
+  const double bound = travel ? bound_along(start, e) : BroadPhasePair::kUnknown;
+  if (bound > c.dist) {
+    c.known = Known::Direction;
+    c.dist = bound;
+    broad_phase_.measured(e, bound);
+    return last_.replace(c);
+  }
+  ContactCandidate k;
+  k.shape = c.shape, k.other_static = c.other_static, k.other_shape = c.other_shape;
+  refined_.clear();
+  if (c.other_shape >= 0) {
+    measure_shapes(m, start, e, k, BroadPhasePair::kEverywhere, h, refined_);
+  } else if (world_.statics[c.other_static].kind == Static::Kind::HalfSpace) {
+    add_half_space(world_.place(start, c.shape), e, k, BroadPhasePair::kEverywhere, h, refined_);
+  } else {
+    broad_phase_.measure_static(start, e, BroadPhasePair::kEverywhere);
+    add_hull(world_.place(start, c.shape), e, k, h, refined_);
+  }
+  k = refined_[0];
+  k.island = c.island;
+  k.share = c.share;
+  k.target = std::min(k.target, c.target);  // it may have given way
+  c = k;
+  last_.replace(c);
 }
 
 void NarrowPhase::add_half_space(const PosedShape& a, BroadPhasePair& e, ContactCandidate& c,
@@ -77,14 +136,20 @@ void NarrowPhase::fix_exit(const PosedShape& a, const PosedShape& b, const Mat3&
 }
 
 // In a pair of a person and an object the person comes first: the normal points into the part.
-void NarrowPhase::add_shapes(const Model& m, Poses& start, const PosedShape& a, BroadPhasePair& e,
-                             ContactCandidate& c, double r, double h,
-                             std::vector<ContactCandidate>& out) {
+void NarrowPhase::add_shapes(const Model& m, Poses& start, BroadPhasePair& e, ContactCandidate& c,
+                             double r, double h, std::vector<ContactCandidate>& out) {
   if (parting_.any() && parting_.between(e.shape, e.other_shape)) return;
-  const PosedShape& b = world_.place(start, e.other_shape);
   if (e.own && broad_phase_.spheres_apart(start, e, r)) return;
   // A pair that was far would have left the list if others had had it made anew: it begins afresh.
   if (e.dist > r) e.axis = {}, e.hint = {};
+  if (!add_bound(e, c, Known::Direction, bound_along(start, e), r, h, out))
+    measure_shapes(m, start, e, c, r, h, out);
+}
+
+void NarrowPhase::measure_shapes(const Model& m, Poses& start, BroadPhasePair& e,
+                                 ContactCandidate& c, double r, double h,
+                                 std::vector<ContactCandidate>& out) {
+  const PosedShape &a = world_.place(start, e.shape), &b = world_.place(start, e.other_shape);
   const Separation s = separate(a, b, e.dist > r ? r + tune::kLookAhead : r, true, e.axis, &e.hint);
   e.axis = s.n;
   broad_phase_.measured(e, s.dist);
@@ -115,26 +180,36 @@ void NarrowPhase::resolve(const Model& m, Poses& start, BroadPhasePair& e, doubl
     depenetration_.add_candidates(start, e, *in, valid, h, out);
 }
 
+// Of a static hull that has been measured.
+void NarrowPhase::add_hull(const PosedShape& a, const BroadPhasePair& e, ContactCandidate& c,
+                           double h, std::vector<ContactCandidate>& out) {
+  const Static& S = world_.statics[e.other_static];
+  c.n = e.planes[0].n;
+  c.dist = e.dist;
+  fix_exit(a, S.posed, Mat3{}, c);
+  c.offset = S.posed.highest(c.n);
+  targets_.set(c, h);
+  out.push_back(c);
+}
+
 void NarrowPhase::add_static(const Model& m, Poses& start, const PosedShape& a, BroadPhasePair& e,
                              ContactCandidate& c, double& valid, double h,
                              std::vector<ContactCandidate>& out) {
   const double r = valid;
   if (broad_phase_.behind_planes(e, a, r)) return;
   if (e.dist > r) e.axis = {}, e.hint = {};
+  const Static& S = world_.statics[e.other_static];
+  // (All of a hull lies behind each of its planes, however far the shape has travelled.)
+  if (S.kind == Static::Kind::Hull &&
+      add_bound(e, c, Known::Direction, bound_along(start, e), r, h, out))
+    return;
   // A pair that was near will be measured again in the next substep anyhow; one that was not is
   // measured a little farther, so that its bound lasts.
   broad_phase_.measure_static(
       start, e, e.dist > r || e.dist == BroadPhasePair::kUnknown ? r + tune::kLookAhead : r,
       &tests_);
-  const Static& S = world_.statics[e.other_static];
   if (S.kind == Static::Kind::Hull) {
-    if (e.dist > r) return;
-    c.n = e.planes[0].n;
-    c.dist = e.dist;
-    fix_exit(a, S.posed, Mat3{}, c);
-    c.offset = S.posed.highest(c.n);
-    targets_.set(c, h);
-    out.push_back(c);
+    if (e.dist <= r) add_hull(a, e, c, h, out);
     return;
   }
   bool overlaps = false;

@@ -12,6 +12,11 @@
 //   depenetration.h. None arises by a step, but a host, or an edit of the scene, may make one: it is
 //   then held and resolved like those at the start.
 //
+// Most pairs of a person within reach do not get near each other in the step. Of those that are kWaitingGap beyond the
+// clearance by a bound the plane is not sought at once: by what they have travelled since they were
+// measured (nothing is posed), or by the direction that separated them last. Their candidate is the bound
+// alone; it is refined where the step takes them that far.
+//
 // Planes are valid for displacements up to the reach they were asked for, or less where a mesh has
 // too many of them: `valid` is lowered to that, per shape. What each candidate demands of its gap is
 // set by gap_targets.h. Lengths in [m], times in [s].
@@ -51,6 +56,9 @@ class NarrowPhase {
               std::vector<ContactCandidate>& out);
   // A substep begins: all pairs are to be measured.
   void begin_substep() { last_.forget(); }
+  // A better bound of a candidate that has no plane yet, or its plane: of all[index].
+  void refine(const Model& m, Poses& start, double h, int index,
+              std::vector<ContactCandidate>& all);
   // Planes of a mesh that may be crossed hide nothing: appends the candidates behind those of the pair
   // of all[index] that are marked as searched.
   void search_behind(Poses& start, std::vector<double>& valid, double h, int index,
@@ -65,8 +73,15 @@ class NarrowPhase {
   // Of one pair, within a distance of r; `c` names the pair.
   void add_half_space(const PosedShape& a, BroadPhasePair& e, ContactCandidate& c, double r,
                       double h, std::vector<ContactCandidate>& out);
-  void add_shapes(const Model& m, Poses& start, const PosedShape& a, BroadPhasePair& e,
-                  ContactCandidate& c, double r, double h, std::vector<ContactCandidate>& out);
+  bool add_bound(BroadPhasePair& e, ContactCandidate& c, Known by, double bound, double r, double h,
+                 std::vector<ContactCandidate>& out);
+  double bound_along(Poses& start, const BroadPhasePair& e) const;
+  void add_shapes(const Model& m, Poses& start, BroadPhasePair& e, ContactCandidate& c, double r,
+                  double h, std::vector<ContactCandidate>& out);
+  void measure_shapes(const Model& m, Poses& start, BroadPhasePair& e, ContactCandidate& c,
+                      double r, double h, std::vector<ContactCandidate>& out);
+  void add_hull(const PosedShape& a, const BroadPhasePair& e, ContactCandidate& c, double h,
+                std::vector<ContactCandidate>& out);
   void add_static(const Model& m, Poses& start, const PosedShape& a, BroadPhasePair& e,
                   ContactCandidate& c, double& valid, double h, std::vector<ContactCandidate>& out);
   void resolve(const Model& m, Poses& start, BroadPhasePair& e, double& valid, double h,
@@ -82,6 +97,7 @@ class NarrowPhase {
   PeopleParting& parting_;
   const SelfDepenetration& self_;
   LastCandidates last_;
+  std::vector<ContactCandidate> refined_;  // scratch
   size_t tests_ = 0;
 };
 

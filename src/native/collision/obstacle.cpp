@@ -40,7 +40,7 @@ Obstacle Obstacle::of_shape(const CollisionWorld& world, Poses& start, int other
 
 bool Obstacle::meets(const Box3& box) const {
   if (is(Static::Kind::Mesh)) return box.meets(fixed->tree->box());
-  return is(Static::Kind::HalfSpace) || box.meets(posed().box);
+  return is(Static::Kind::HalfSpace) || box.meets(posed().box());
 }
 
 bool Obstacle::clear(const PosedShape& a, double range) const {

@@ -141,7 +141,7 @@ int Overhang::corners(Poses& start, const ContactCandidate& c, Vec3* pa, Vec3* p
   const Static& S = world_.statics[c.other_static];
   if (S.kind == Static::Kind::Hull)
     return face_manifold(a0, S.posed, c.n, tune::kFaceThickness, kMostCorners, pa, pb);
-  Box3 box = a0.box;
+  Box3 box = a0.box();
   box.grow(c.dist + tune::kFaceThickness);
   Extremes extremes(c.n);
   for (int t : S.tree->meeting(box)) {

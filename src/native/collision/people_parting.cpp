@@ -43,10 +43,10 @@ void PeopleParting::begin(const Model& m, Poses& start, const std::vector<BroadP
 bool PeopleParting::blocks(Poses& start, int shape, int other_shape, Vec3 shift,
                            double& depth) const {
   const PosedShape &a = world_.place(start, shape), &b = world_.place(start, other_shape);
-  Box3 box = a.box;
+  Box3 box = a.box();
   box.lo += shift, box.hi += shift;
   box.grow(world_.settings.clearance);
-  if (!box.meets(b.box)) return false;
+  if (!box.meets(b.box())) return false;
   const double clearance = world_.settings.clearance;
   depth = clearance - separate(displaced(a, shift), b, clearance).dist;
   return depth > 0;

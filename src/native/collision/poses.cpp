@@ -98,9 +98,7 @@ void Poses::place_skin(const CollisionShape& m, PosedShape& out) {
     blend(rest + r.first, n, r.count, R.m, shift, &m.weights[(size_t)r.influence * n + r.first],
           r.influence == 0, &out.xyz[r.first]);
   }
-  double lo[3], hi[3];
-  for (int c = 0; c < 3; c++) limits(&out.xyz[(size_t)c * n], n, lo[c], hi[c]);
-  out.box = {load3(lo), load3(hi)};
+  out.moved();
 }
 
 BoundingSphere Poses::bounding_sphere(const CollisionShape& m) const {
@@ -122,7 +120,17 @@ const BoundingSphere& Poses::cached_bounding_sphere(const std::vector<CollisionS
 Material Poses::material(const CollisionShape& m, const PosedShape& at, Vec3 x) const {
   if (!m.skin) return {-1, mul_t(kin.xmat[m.body], x - kin.xpos[m.body])};
   const Points p = at.points();
-  const int v = nearest(p.x, p.y, p.z, p.n, x.x, x.y, x.z);
+  return of_vertex(m, at, nearest(p.x, p.y, p.z, p.n, x.x, x.y, x.z), x);
+}
+
+Material Poses::material_beside(const CollisionShape& m, const PosedShape& at,
+                                const Material& first, Vec3 x) const {
+  return m.skin ? of_vertex(m, at, first.vertex, x) : material(m, at, x);
+}
+
+// A point of a skin that moves with vertex v.
+Material Poses::of_vertex(const CollisionShape& m, const PosedShape& at, int v, Vec3 x) const {
+  const Points p = at.points();
   JointWeight s[Endpoint::kMost];
   const int n = joint_weights(*m.skin, m.vertex[v], s);
   Mat3 turn;

@@ -41,6 +41,9 @@ struct Poses {
   // The material point of a shape's surface that is at x now, and where it is at this pose. The
   // shape must be posed; a point of a skin hull moves with the nearest vertex.
   Material material(const CollisionShape& m, const PosedShape& at, Vec3 x) const;
+  // The same of a second point, which of a skin moves with the vertex of the first one.
+  Material material_beside(const CollisionShape& m, const PosedShape& at, const Material& first,
+                           Vec3 x) const;
   Vec3 position(const CollisionShape& m, const PosedShape& at, const Material& point) const;
   // The same point as contacts need it: the bodies that carry it, and by how much (its Jacobian,
   // docs/physics.md, "The skin").
@@ -52,6 +55,7 @@ struct Poses {
     const Skin* skin;
     std::vector<double> values;
   };
+  Material of_vertex(const CollisionShape& m, const PosedShape& at, int v, Vec3 x) const;
   void place(const CollisionShape& m, int i);
   void place_skin(const CollisionShape& m, PosedShape& out);
   const std::vector<double>& features(const Skin& s);

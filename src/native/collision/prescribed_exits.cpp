@@ -18,7 +18,7 @@ std::vector<PrescribedExits::Pair> PrescribedExits::overlaps(
   for (const BroadPhasePair& e : pairs) {
     if (e.other_shape < 0 || world_.shapes[e.shape].person < 0 || !world_.takes_part(e)) continue;
     const PosedShape &a = world_.place(start, e.shape), &b = world_.place(start, e.other_shape);
-    if (a.box.meets(b.box) && separate(a, b, 0, false).dist < 0)
+    if (a.box().meets(b.box()) && separate(a, b, 0, false).dist < 0)
       found.push_back({e.shape, e.other_shape, -1});
   }
   return found;

@@ -99,8 +99,11 @@ class ContactProblem {
   // newton.cpp
   bool newton_step(double damping, double bound);
   void drop_unloaded();
-  void newton_rows(int a, double damping);
-  void slip_rows(int a, double* const J[3], double y, double z, double limit);
+  struct Slip;
+  Slip slip_of(int contact) const;
+  int order_unknowns();
+  void newton_rows(int symmetric, double damping);
+  void slip_rows(int contact, int at);
   bool take_share(const double* step, double bound);
   // normal_impulses.cpp
   void settle_normals(double tolerance, SolveReport& report);
@@ -123,6 +126,8 @@ class ContactProblem {
   std::vector<double> old_, own_;  // of a group: impulses before, and velocities
   // Of a Newton step or of pivoting: the contacts that take part, the equations, where it started.
   std::vector<int> set_;
+  std::vector<char> slips_;           // of the set
+  std::vector<int> unknown_, place_;  // rows of A of a step's unknowns, and the other way round
   std::vector<double> matrix_, right_, start_;
   // Of the normal rows alone.
   std::vector<double> q_, x_, least_pivot_;

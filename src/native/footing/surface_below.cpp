@@ -17,7 +17,7 @@ SurfaceBelow::SurfaceBelow(const CollisionWorld& world) : world_(world) {
 // Falls towards the shape: a step to the plane that separates it, again and again. Exact for a face
 // after one.
 void SurfaceBelow::meet(const PosedShape& shape, int number, Vec3 x, double above, Surface& best) {
-  const Box3& box = shape.box;
+  const Box3& box = shape.box();
   if (x.x < box.lo.x || x.x > box.hi.x || x.y < box.lo.y || x.y > box.hi.y) return;
   if (box.hi.z <= best.height || box.lo.z > x.z + above) return;
   Vec3 at = x;

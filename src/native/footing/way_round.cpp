@@ -27,14 +27,14 @@ class Room {
   // Up to kRoomy; negative: it is inside.
   double at(Vec3 x) {
     probe_.place(middle_, {}, {x.x, x.y, 0});
-    Box3 box = probe_.box;
+    Box3 box = probe_.box();
     box.grow(tune::kRoomy);
     double room = tune::kRoomy;
     for (const Static& s : world_.statics) {
       if (s.kind == Static::Kind::HalfSpace) {
         if (std::fabs(s.n.z) < tune::kSteep) room = std::min(room, probe_.lowest(s.n) - s.offset);
       } else if (s.kind == Static::Kind::Hull) {
-        if (box.meets(s.posed.box))
+        if (box.meets(s.posed.box()))
           room = std::min(room, separate(probe_, s.posed, tune::kRoomy, false).dist);
       } else if (box.meets(s.tree->box())) {
         room = std::min(room, s.tree->distance(probe_, tune::kRoomy));

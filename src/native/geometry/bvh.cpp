@@ -194,7 +194,7 @@ void TriangleTree::PlaneSearch::open(const Entry& e) {
   const Node& node = tree.nodes_[e.id];
   if (node.left >= 0) {
     for (int child : {node.left, node.right}) {
-      Entry c{std::max(gap2(tree.nodes_[child].box, a.box), e.d2), child};
+      Entry c{std::max(gap2(tree.nodes_[child].box, a.box()), e.d2), child};
       if (c.d2 <= reach * reach && !node_settled(c)) s.queue.push(c.d2, c.id);
     }
     return;
@@ -204,7 +204,7 @@ void TriangleTree::PlaneSearch::open(const Entry& e) {
     tree.triangle(i, v);
     Box3 box;
     for (Vec3 p : v) box.add(p);
-    Entry c{std::max(gap2(box, a.box), e.d2), -1 - i};
+    Entry c{std::max(gap2(box, a.box()), e.d2), -1 - i};
     if (c.d2 <= reach * reach && !left_out(i) && !triangle_settled(c, v)) s.queue.push(c.d2, c.id);
   }
 }
@@ -260,7 +260,7 @@ double TriangleTree::PlaneSearch::run() {
   s.waiting.clear();
   s.out_of_reach.clear();
   measure_old();
-  double start = gap2(tree.nodes_[0].box, a.box);
+  double start = gap2(tree.nodes_[0].box, a.box());
   if (start <= reach * reach) s.queue.push(start, 0);
   while (!s.queue.heap.empty()) {
     const Entry e = s.queue.pop();
@@ -302,7 +302,7 @@ struct TriangleTree::DistanceSearch {
   }
   void push(int id) {
     const Box3& box = tree.nodes_[id].box;
-    double d2 = gap2(box, a.box);
+    double d2 = gap2(box, a.box());
     if (best > 0 && d2 > best * best) return;
     for (const Plane& p : s.measured)
       if (box.highest(p.n) <= p.offset) return;

@@ -30,7 +30,7 @@ struct Witnesses {
       low[k] = norm2(axes.n[k]) > 0 ? a.lowest(axes.n[k]) : -1e300;
   }
   double apart(const Box3& box) const {
-    double most = box_gap(box, a.box);
+    double most = box_gap(box, a.box());
     for (int k = 0; k < SeparatingAxes::kMost && most <= 0; k++)
       if (low[k] > -1e300) most = std::max(most, low[k] - box.highest(axes.n[k]));
     return most;

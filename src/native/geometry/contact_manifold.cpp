@@ -56,23 +56,34 @@ std::vector<FacePoint> near_face(const PosedShape& s, Vec3 n, Vec3 t, Vec3 b, do
   return hull;
 }
 
-// Height of a near face at a point: of the plane through its widest three corners, or of an edge.
-double height_at(const std::vector<FacePoint>& face, FacePoint q) {
-  const FacePoint &o = face[0], &e = face[1];
-  if (face.size() == 2) {
-    double u = e.u - o.u, v = e.v - o.v, along = (q.u - o.u) * u + (q.v - o.v) * v;
-    return o.height + along / (u * u + v * v) * (e.height - o.height);
+// The plane of a near face, through its widest three corners, or the line of an edge.
+class FacePlane {
+ public:
+  explicit FacePlane(const std::vector<FacePoint>& face) : face_(face) {
+    if (face.size() == 2) return;
+    for (size_t k = 1; k < face.size(); k++)
+      for (size_t l = k + 1; l < face.size(); l++) {
+        const double area = cross2(face[0], face[k], face[l]);
+        if (area > widest_) widest_ = area, i_ = k, j_ = l;
+      }
   }
-  size_t i = 1, j = 2;
-  double widest = 0;
-  for (size_t k = 1; k < face.size(); k++)
-    for (size_t l = k + 1; l < face.size(); l++) {
-      double area = cross2(o, face[k], face[l]);
-      if (area > widest) widest = area, i = k, j = l;
+
+  // Its height at a point.
+  double at(FacePoint q) const {
+    const FacePoint &o = face_[0], &e = face_[1];
+    if (face_.size() == 2) {
+      double u = e.u - o.u, v = e.v - o.v, along = (q.u - o.u) * u + (q.v - o.v) * v;
+      return o.height + along / (u * u + v * v) * (e.height - o.height);
     }
-  double f = cross2(o, q, face[j]) / widest, g = cross2(o, face[i], q) / widest;
-  return o.height + f * (face[i].height - o.height) + g * (face[j].height - o.height);
-}
+    double f = cross2(o, q, face_[j_]) / widest_, g = cross2(o, face_[i_], q) / widest_;
+    return o.height + f * (face_[i_].height - o.height) + g * (face_[j_].height - o.height);
+  }
+
+ private:
+  const std::vector<FacePoint>& face_;
+  size_t i_ = 1, j_ = 2;
+  double widest_ = 0;
+};
 
 // A segment or polygon, cut by the edges of a convex polygon.
 std::vector<FacePoint> clip(std::vector<FacePoint> face, const std::vector<FacePoint>& by) {
@@ -125,10 +136,11 @@ int face_manifold(const PosedShape& a, const PosedShape& b, Vec3 n, double tol, 
   A = clip(std::move(A), B);
   if (A.empty()) return 0;
   const std::vector<FacePoint> pick = spread_out(A, most);
+  const FacePlane plane_a(face_a), plane_b(face_b);
   for (size_t k = 0; k < pick.size(); k++) {
     Vec3 base = pick[k].u * t + pick[k].v * s;
-    pa[k] = base + (height_at(face_a, pick[k]) - a.hull->radius) * n;
-    pb[k] = base + (b.hull->radius - height_at(face_b, pick[k])) * n;  // of -n
+    pa[k] = base + (plane_a.at(pick[k]) - a.hull->radius) * n;
+    pb[k] = base + (b.hull->radius - plane_b.at(pick[k])) * n;  // of -n
   }
   return (int)pick.size();
 }

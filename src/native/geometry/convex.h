@@ -73,9 +73,17 @@ struct PosedShape {
   Vec3 center;
   Mat3 R;
   Vec3 axis;  // of the disc
-  Box3 box;   // around the shape, rounding included
 
   void place(const Convex& c, const Mat3& R, Vec3 pos);
+  // The vertices have been written: the box around them is found when it is asked for.
+  void moved() { boxed_ = false; }
+  void set_box(const Box3& box) { box_ = box, boxed_ = true; }
+  // Around the shape, rounding included.
+  const Box3& box() const {
+    if (!boxed_) find_box();
+    return box_;
+  }
+  void shift(Vec3 by);
   Points points() const {
     int n = (int)hull->vertices.size();
     return {xyz.data(), xyz.data() + n, xyz.data() + 2 * n, n};
@@ -92,6 +100,12 @@ struct PosedShape {
     return dot(n, p.at(p.support(-n))) - reach(n);
   }
   double highest(Vec3 n) const { return -lowest(-n); }
+
+ private:
+  void find_box() const;
+
+  mutable Box3 box_;
+  mutable bool boxed_ = false;
 };
 
 // The shape, moved by a shift.

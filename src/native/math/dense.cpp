@@ -65,11 +65,104 @@ bool solve_dense(double* a, int n, double least_pivot, double* x) {
     if (!eliminate_three(a, n, first, least_pivot, x, panel)) return false;
     const int rest = first + 3;
     const double* pivot = a + (long)first * n + rest;
-    subtract_three(a + (long)rest * n + rest, n, n - rest, &panel.column[0][first] + 3,
+    subtract_three(a + (long)rest * n + rest, n, n - rest, n - rest, &panel.column[0][first] + 3,
                    &panel.column[1][first] + 3, &panel.column[2][first] + 3, pivot, pivot + n,
                    pivot + 2 * n);
   }
   for (int r = n - 1; r >= 0; r--) {
+    const double* row = a + (long)r * n;
+    x[r] = (x[r] - inner(row + r + 1, x + r + 1, n - r - 1)) / row[r];
+  }
+  return true;
+}
+
+namespace {
+
+// Rows first ... first + count - 1 of the symmetric part among themselves. False if a pivot is too small.
+bool eliminate_symmetric(double* a, int n, int first, int count, double least_pivot, double* x) {
+  for (int c = first; c < first + count; c++) {
+    double* row = a + (long)c * n;
+    for (int l = first; l < c; l++) {
+      const double* above = a + (long)l * n;
+      const double f = -above[c] / above[l];
+      add_scaled(row + c, f, above + c, n - c);
+      x[c] += f * x[l];
+    }
+    if (!(row[c] > least_pivot)) return false;
+  }
+  return true;
+}
+
+// Three pivot rows from `first` on, and what they take off the rows below in the symmetric part: their
+// entries over their pivots. Of fewer than three the rest are zero.
+struct Pivots {
+  const double* row[3];
+  std::vector<double> share[3];
+
+  void load(const double* a, int n, int first, int count) {
+    for (int k = 0; k < 3; k++) {
+      row[k] = a + (long)(first + std::min(k, count - 1)) * n;
+      share[k].assign(n, 0.0);
+      for (int c = first + count; c < n && k < count; c++)
+        share[k][c] = row[k][c] / row[k][first + k];
+    }
+  }
+};
+
+// What they take off the rows of the other part, from s on, each by its own entries in their columns; x
+// follows.
+void take_off(double* a, int n, int s, int first, int count, Pivots& pivots, double* x) {
+  const int rest = first + count;
+  double* f[3];
+  for (int k = 0; k < 3; k++) f[k] = pivots.share[k].data() + s;
+  for (int r = s; r < n; r++) {
+    const double* in = a + (long)r * n + first;
+    for (int k = 0; k < count; k++) {
+      double own = in[k];
+      for (int l = 0; l < k; l++) own -= f[l][r - s] * pivots.row[l][first + k];
+      f[k][r - s] = own / pivots.row[k][first + k];
+      x[r] -= f[k][r - s] * x[first + k];
+    }
+  }
+  subtract_three(a + (long)s * n + rest, n, n - s, n - rest, f[0], f[1], f[2], pivots.row[0] + rest,
+                 pivots.row[1] + rest, pivots.row[2] + rest);
+}
+
+// The equations of the last rows, from s on, alone, as solve_dense() takes them.
+bool solve_rest(const double* a, int n, int s, double least_pivot, double* x) {
+  static thread_local std::vector<double> own, right;
+  const int count = n - s, padded = (count + 2) / 3 * 3;
+  own.assign((size_t)padded * padded, 0.0);
+  right.assign(padded, 0.0);
+  for (int r = 0; r < padded; r++) {
+    double* row = &own[(size_t)r * padded];
+    if (r < count)
+      std::copy_n(a + (long)(s + r) * n + s, count, row), right[r] = x[s + r];
+    else
+      row[r] = 1;
+  }
+  if (!solve_dense(own.data(), padded, least_pivot, right.data())) return false;
+  std::copy_n(right.begin(), count, x + s);
+  return true;
+}
+
+}  // namespace
+
+bool solve_mixed(double* a, int n, int s, double least_pivot, double* x) {
+  static thread_local Pivots pivots;
+  for (int first = 0; first < s; first += 3) {
+    const int count = std::min(3, s - first), rest = first + count;
+    if (!eliminate_symmetric(a, n, first, count, least_pivot, x)) return false;
+    pivots.load(a, n, first, count);
+    const auto share = [&](int k) { return pivots.share[k].data() + rest; };
+    subtract_three_upper(a + (long)rest * n + rest, n, s - rest, n - rest, share(0), share(1),
+                         share(2), pivots.row[0] + rest, pivots.row[1] + rest,
+                         pivots.row[2] + rest);
+    for (int k = 0; k < count; k++) add_scaled(x + rest, -x[first + k], share(k), s - rest);
+    if (s < n) take_off(a, n, s, first, count, pivots, x);
+  }
+  if (!solve_rest(a, n, s, least_pivot, x)) return false;
+  for (int r = s - 1; r >= 0; r--) {
     const double* row = a + (long)r * n;
     x[r] = (x[r] - inner(row + r + 1, x + r + 1, n - r - 1)) / row[r];
   }

@@ -9,6 +9,11 @@ namespace hp {
 // without meaning, if a pivot is not larger than `least_pivot`.
 bool solve_dense(double* a, int n, double least_pivot, double* x);
 
+// The same of a matrix whose first s rows and columns are symmetric and positive definite: of those the
+// upper triangle alone is read, and half the work is done; n and s are any. The other rows follow as the
+// Schur complement, with row exchanges among them.
+bool solve_mixed(double* a, int n, int s, double least_pivot, double* x);
+
 // a = L L^T for a symmetric matrix (n, n), of which the lower triangle is read and overwritten by L.
 // Squares of pivots are raised to `least` (n) where they are smaller.
 void factor_cholesky(double* a, int n, const double* least);

@@ -165,11 +165,24 @@ HP_CLONES void add_scaled(double* y, double a, const double* x0, double b, const
   for (; i < n; i++) y[i] += a * x0[i] + b * x1[i] + c * x2[i];
 }
 
-HP_CLONES void subtract_three(double* a, int stride, int n, const double* f, const double* g,
-                              const double* h, const double* p, const double* q, const double* u) {
-  for (int r = 0; r < n; r++, a += stride) {
+HP_CLONES void subtract_three(double* a, int stride, int rows, int n, const double* f,
+                              const double* g, const double* h, const double* p, const double* q,
+                              const double* u) {
+  for (int r = 0; r < rows; r++, a += stride) {
     const double x = f[r], y = g[r], z = h[r];
     int i = 0;
+    for (; i + 4 <= n; i += 4)
+      *(V*)(a + i) -= x * *(const V*)(p + i) + y * *(const V*)(q + i) + z * *(const V*)(u + i);
+    for (; i < n; i++) a[i] -= x * p[i] + y * q[i] + z * u[i];
+  }
+}
+
+HP_CLONES void subtract_three_upper(double* a, int stride, int rows, int n, const double* f,
+                                    const double* g, const double* h, const double* p,
+                                    const double* q, const double* u) {
+  for (int r = 0; r < rows; r++, a += stride) {
+    const double x = f[r], y = g[r], z = h[r];
+    int i = r & ~3;
     for (; i + 4 <= n; i += 4)
       *(V*)(a + i) -= x * *(const V*)(p + i) + y * *(const V*)(q + i) + z * *(const V*)(u + i);
     for (; i < n; i++) a[i] -= x * p[i] + y * q[i] + z * u[i];
@@ -305,10 +318,16 @@ void pass_up(double* p, const double* s, const double* gain, int count, const do
     }
 }
 
-void subtract_three(double* a, int stride, int n, const double* f, const double* g, const double* h,
-                    const double* p, const double* q, const double* u) {
-  for (int r = 0; r < n; r++, a += stride)
+void subtract_three(double* a, int stride, int rows, int n, const double* f, const double* g,
+                    const double* h, const double* p, const double* q, const double* u) {
+  for (int r = 0; r < rows; r++, a += stride)
     for (int i = 0; i < n; i++) a[i] -= f[r] * p[i] + g[r] * q[i] + h[r] * u[i];
+}
+
+void subtract_three_upper(double* a, int stride, int rows, int n, const double* f, const double* g,
+                          const double* h, const double* p, const double* q, const double* u) {
+  for (int r = 0; r < rows; r++, a += stride)
+    for (int i = r & ~3; i < n; i++) a[i] -= f[r] * p[i] + g[r] * q[i] + h[r] * u[i];
 }
 
 void meet(const double* x, const int* at, const double* y, int n, double* s) {

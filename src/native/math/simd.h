@@ -36,9 +36,12 @@ void add_scaled(double* y, double a, const double* x, int n);
 void add_scaled(double* y, double a, const double* x0, double b, const double* x1, double c,
                 const double* x2, int n);
 
-// Of a square of n rows, `stride` apart:  a_r -= f[r] p + g[r] q + h[r] u, in this order.
-void subtract_three(double* a, int stride, int n, const double* f, const double* g, const double* h,
-                    const double* p, const double* q, const double* u);
+// Of rows of n numbers, `stride` apart:  a_r -= f[r] p + g[r] q + h[r] u, in this order.
+void subtract_three(double* a, int stride, int rows, int n, const double* f, const double* g,
+                    const double* h, const double* p, const double* q, const double* u);
+// The same where only what is not below the diagonal counts.
+void subtract_three_upper(double* a, int stride, int rows, int n, const double* f, const double* g,
+                          const double* h, const double* p, const double* q, const double* u);
 
 // For a < n and c <= a:  rows[start[at[a]] + c] -= sum over k of f[k] r_k[a] r_k[c]: three rows of a
 // matrix leave those of their ancestors.

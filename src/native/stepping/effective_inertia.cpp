@@ -1,5 +1,7 @@
 #include "stepping/effective_inertia.h"
 
+#include <algorithm>
+
 #include "stepping/data.h"
 #include "tuning.h"
 
@@ -30,7 +32,10 @@ void EffectiveInertia::add_up(const System& system, const State& state, const St
                               double h) {
   if (composed_ && added_up_) return;
   const World& world = system.world;
-  if (!composed_) inertia_.compose(system.model, state.pose.kin, world.active.data());
+  if (!composed_) {
+    inertia_.compose(system.model, state.pose.kin, world.active.data());
+    drop_products();
+  }
   add_drives(system, step.resistance, h);
   system.articulations.added_inertia(system.model, world.active, h, drive_);
   total_ = drive_;
@@ -58,13 +63,33 @@ void EffectiveInertia::compose(const System& system, State& state) {
   const char* active = system.world.active.data();
   state.pose.kin.update_dofs(system.model, state.qpos.data(), active);
   inertia_.compose(system.model, state.pose.kin, active);
+  drop_products();
+}
+
+void EffectiveInertia::drop_products() {
+  for (Product& p : products_) p.root = 0;
 }
 
 void EffectiveInertia::multiply(const System& system, const Drive& d, const double* x,
                                 double* out) const {
   const Model& m = system.model;
+  const int root = m.root[d.body(0)], first = d.first_dof(), count = d.dof_count();
+  for (const Product& p : products_) {
+    if (p.root != root) continue;
+    double sign = 0;
+    if (std::equal(p.x.begin(), p.x.end(), x + first)) sign = 1;
+    const auto opposite = [](double a, double b) { return a == -b; };
+    if (sign == 0 && std::equal(p.x.begin(), p.x.end(), x + first, opposite)) sign = -1;
+    if (sign == 0) continue;
+    for (int i = 0; i < count; i++) out[first + i] = sign * p.Mx[i];
+    return;
+  }
   for (const Model::Tree& tree : m.trees)
-    if (tree.first == m.root[d.body(0)]) inertia_.multiply(m, tree, x, out);
+    if (tree.first == root) inertia_.multiply(m, tree, x, out);
+  Product& p = products_[next_product_++ % kProducts];
+  p.root = root;
+  p.x.assign(x + first, x + first + count);
+  p.Mx.assign(out + first, out + first + count);
 }
 
 void EffectiveInertia::add_drives(const System& system, const JointResistance& r, double h) {

@@ -54,7 +54,7 @@ class EffectiveInertia {
   const std::vector<double>& drive_part() const { return drive_; }
   // X as it was last, per dof of people.
   const std::vector<double>& added() const { return added_; }
-  // out = M x on the rows of one person.
+  // out = M x on the rows of one person. Products of this pose are kept: the same is asked again.
   void multiply(const System& system, const Drive& d, const double* x, double* out) const;
   void solve(const Model& m, double* x) const { factor_.solve(m, x); }  // x <- M^^-1 x
 
@@ -63,8 +63,17 @@ class EffectiveInertia {
   void hold_untouched(const System& system, const JointResistance& r);
   void stiffen_exits(const System& system, const State& state);
   void damp_joints(const System& system, double h);
+  void drop_products();
+
+  struct Product {
+    int root = 0;               // body, 0: none
+    std::vector<double> x, Mx;  // of its tree's dofs
+  };
+  static constexpr int kProducts = 4;
 
   Inertia inertia_;
+  mutable Product products_[kProducts];
+  mutable int next_product_ = 0;
   InertiaFactor factor_;
   std::vector<double> scale_, drive_, total_, added_;
   bool composed_ = false, added_up_ = false, factored_ = false;

@@ -14,18 +14,22 @@ namespace hp {
 
 class SqueezeLimit {
  public:
-  // After the attempts at a substep: what moves together, and how fast it came with v* (`v_star`).
+  // After the attempts at a substep: what moves together, and v*, with which it came.
   void begin(const System& system, const Data& data, const std::vector<double>& v_star);
   // At its end: cuts state.qvel.
-  void cut(const System& system, Data& data) const;
+  void cut(const System& system, Data& data);
 
  private:
-  std::vector<int> island_;               // per root body
+  void find_speeds(const System& system, const Data& data);
+
+  std::vector<int> island_;     // per root body
+  std::vector<double> v_star_;  // at the substep's start
+  // Found where an object is fast:
   std::vector<double> came_;              // speeds of trees [m/s]
   std::vector<double> fastest_, second_;  // of islands: the fastest and the second fastest tree's
   std::vector<int> leader_;               // per island: the fastest tree
   std::vector<Twist> twists_;
-  bool any_ = false;
+  bool any_ = false, found_ = false;
 };
 
 }  // namespace hp

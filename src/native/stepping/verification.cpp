@@ -65,7 +65,12 @@ double excess(System& system, Data& data, size_t i) {
   Poses &start = data.state.pose, &end = data.step.end;
   std::vector<ContactCandidate>& candidates = data.attempt.candidates;
   double least = 0;
-  if (stays_off(system, data, candidates[i], least)) return least;
+  bool off = stays_off(system, data, candidates[i], least);
+  while (!off && candidates[i].known != Known::Plane) {
+    world.narrow_phase.refine(system.model, start, data.step.length, (int)i, candidates);
+    off = stays_off(system, data, candidates[i], least);
+  }
+  if (off) return least;
   const double e = world.gap_check.excess(system.model, start, end, candidates[i]);
   ContactCandidate& c = candidates[i];
   if (!c.forgiven || c.triangle < 0 || c.searched ||

@@ -1,4 +1,6 @@
-"""A ball among loose triangles meets the plate ahead of them, however many planes it has."""
+"""What a step takes near something meets it: a ball among loose triangles, however many planes it
+has, and what was farther off than pairs whose plane is sought at once.
+"""
 
 from __future__ import annotations
 
@@ -7,13 +9,13 @@ import numpy as np
 import pytest
 
 from halfphysics.body.body import Body
-from halfphysics.geometry.shapes import Mesh
+from halfphysics.geometry.shapes import Box, Mesh
 from halfphysics.scene.scene import Scene
-from halfphysics.settings import Settings
+from halfphysics.settings import AS_IT_IS, Settings
 from halfphysics.simulation.simulate import simulate
 from support.judges.coal_shapes import coal_hull, coal_shape
 from support.loose_triangles import around_a_ball
-from support.people import t_pose
+from support.people import along_x, t_pose
 
 RADIUS, AHEAD = 0.1, 0.015
 #: Where the ball starts: far from the person [m].
@@ -99,3 +101,17 @@ def test_a_plate_behind_planes_near_and_far_is_met(body, seed):
     track, _ = thrown(body, vertices, faces, rng.uniform(0.5, 8.0), int(rng.integers(1, 9)))
     assert track.position[:, 0].max() < AHEAD
     assert smallest_gap(track, vertices, faces) > ROUNDING
+
+
+@pytest.mark.parametrize("start", [-0.1, -0.094, -0.087])
+def test_what_waits_for_its_plane_is_met(body, start):
+    """Steps of 17 mm cross gaps at which a bound stands in for the plane of a person's part."""
+    scene = Scene()
+    scene.add_static("wall", Box((0.01, 6.0, 6.0)), position=(0.5, 0.0, 0.0))
+    motion = along_x(4.0, 8, start=start)
+    settings = Settings(substeps=8, record="substeps", **AS_IT_IS)
+    result = simulate(motion, scene, body=body, settings=settings)
+    assert len(result.contacts.part) > 0  # it did get there
+    assert result.clearance.min() > 0.5e-3  # of the clearance of 1 mm
+    assert not len(result.inside)
+    assert not len(result.breaches)

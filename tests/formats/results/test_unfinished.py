@@ -11,27 +11,26 @@ import halfphysics as hp
 from halfphysics.errors import FileError
 from halfphysics.formats.results import unfinished
 from halfphysics.formats.results.result_file import is_result
-from halfphysics.live.recording import Recorder
+from halfphysics.live import recording
 from halfphysics.live.session import Session
+from halfphysics.results.records import SceneRecord
 
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
     """The bytes of a recording of 40 frames in 4 blocks, and the person's rotations."""
-    path = tmp_path_factory.mktemp("recorded") / "out.npz"
+    path = tmp_path_factory.mktemp("recorded") / "out.npz.unfinished"
     session = Session(None)
-    recorder = Recorder(path, session.simulator)
     frames = [session.step() for _ in range(40)]
-    scene = session.simulator.world.scene
-    with recorder.partial.open("ab") as file:
-        from halfphysics.live.recording import _fields
-        from halfphysics.results.records import SceneRecord
-
-        unfinished.write_document(file, unfinished.SCENE, dict(SceneRecord.of(scene).document))
+    scene = SceneRecord.of(session.simulator.world.scene)
+    with path.open("wb") as file:
+        file.write(unfinished.MAGIC)
+        unfinished.write_document(file, unfinished.HEAD, recording._head(session.simulator))
+        unfinished.write_document(file, unfinished.SCENE, dict(scene.document))
         for first in range(0, 40, 10):
-            unfinished.write_frames(file, _fields(frames[first : first + 10]))
+            unfinished.write_frames(file, recording._fields(frames[first : first + 10]))
     rotations = np.stack([frame.poses["person"].rotations for frame in frames])
-    return recorder.partial.read_bytes(), rotations
+    return path.read_bytes(), rotations
 
 
 def load(tmp_path, data):

@@ -27,7 +27,7 @@ from support.printed.files import names, write_carry, write_files
 from support.printed.shell import READ_ONLY, lines_of, read_command, read_mention, run_line
 
 #: Languages of blocks: how each is held.
-LANGUAGES = {"python", "sh", "yaml", "text", "math", "bibtex", "bat", "ts"}
+LANGUAGES = {"python", "sh", "js", "ts", "yaml", "text", "math", "bibtex", "bat"}
 #: Lines that are not run, and why. Each must still be printed somewhere.
 NOT_RUN = {
     "ssh -L 8080:127.0.0.1:8080 user@machine        # then open http://127.0.0.1:8080 at home": (
@@ -41,6 +41,18 @@ NOT_RUN = {
     "halfphysics play ws://127.0.0.1:8765    # and drag its objects, change their masses and "
     "frictions": "needs a live session; tests/viewer/test_live_view.py has one",
     "halfphysics sweep plan.yaml --engine ray --address auto": "needs a cluster of Ray",
+    **dict.fromkeys(
+        (
+            "cmake -S . -B build/c -DHALFPHYSICS_PYTHON=OFF -DHALFPHYSICS_C=ON",
+            "cmake --build build/c",
+            "cmake --install build/c --prefix out/halfphysics",
+            "python examples/c/write_world.py out/kick.hpw out/kick.poses",
+            "cc -std=c99 -Iout/halfphysics/include examples/c/walk.c -Lout/halfphysics/lib "
+            "-lhalfphysics -o out/walk",
+            "LD_LIBRARY_PATH=out/halfphysics/lib out/walk out/kick.hpw out/kick.poses 300",
+        ),
+        "compiles the core; tests/native/capi/test_library.py does the same",
+    ),
     "ray job submit --address http://head:8265 --runtime-env-json "
     """'{"pip": ["halfphysics[ray]==0.1.0"]}' """
     "-- halfphysics sweep /shared/plan.yaml --out /shared/data --engine ray": (

@@ -1,8 +1,8 @@
 """Which sources the core for browsers is made of, and their hash: used by tools/build_wasm.sh and tests.
 
-    python tools/wasm_sources.py --list     # the .cpp files, one a line
-    python tools/wasm_sources.py --hash     # SHA-256 of all that the .wasm depends on
-    python tools/wasm_sources.py --key FILE FLAGS   # of one object file
+python tools/wasm_sources.py --list     # the .cpp files, one a line
+python tools/wasm_sources.py --hash     # SHA-256 of all that the .wasm depends on
+python tools/wasm_sources.py --key FILE FLAGS   # of one object file
 """
 
 from __future__ import annotations

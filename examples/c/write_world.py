@@ -1,6 +1,6 @@
 """A kick at a ball for examples/c/walk.c: writes its world and its poses.
 
-    python examples/c/write_world.py kick.hpw kick.poses
+python examples/c/write_world.py kick.hpw kick.poses
 """
 
 import sys

@@ -2,8 +2,9 @@
 
     PYTHONPATH=src:tests python -m campaigns.wasm_and_c
 
-The C example over 10,000 frames of the kick, and 300 frames of kick and lift by node: largest differences, and speeds by
-processor time. Needs tools/build_inplace.sh (or tools/test_native.sh), a C compiler and node.
+The C example over 10,000 frames of the kick, and 300 frames of kick and lift by node: largest
+differences, and speeds by processor time. Needs tools/build_inplace.sh (or tools/test_native.sh), a
+C compiler and node.
 """
 
 from __future__ import annotations
@@ -13,7 +14,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from native.capi.test_library import c_end, python_end
 from tools.test_wasm_sources import by_wasm
 

@@ -13,7 +13,9 @@ from halfphysics.simulation.world_file import MAGIC, VERSION, world_bytes
 
 def test_the_layout():
     values = np.arange(6, dtype=np.float64).reshape(3, 2)
-    data = world_bytes([Call("name_it", {"text": "wörd", "rows": values, "one": np.array(7, np.int32)})])
+    data = world_bytes(
+        [Call("name_it", {"text": "wörd", "rows": values, "one": np.array(7, np.int32)})]
+    )
     assert data[:8] == MAGIC
     version, crc, size, calls, zero = struct.unpack_from("<IIQII", data, 8)
     assert (version, size, calls, zero) == (VERSION, len(data) - 32, 1, 0)

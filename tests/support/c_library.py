@@ -7,7 +7,6 @@ import functools
 import os
 import re
 from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_void_p
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -38,7 +37,14 @@ def load():
     lib = ctypes.CDLL(os.fspath(folder() / "libhalfphysics.so"))
     for name in ("hp_world_load", "hp_world_open"):
         getattr(lib, name).restype = c_void_p
-    for name in ("hp_error", "hp_version", "hp_name", "hp_body_name", "hp_hinge_name", "hp_joint_name"):
+    for name in (
+        "hp_error",
+        "hp_version",
+        "hp_name",
+        "hp_body_name",
+        "hp_hinge_name",
+        "hp_joint_name",
+    ):
         getattr(lib, name).restype = c_char_p
     return lib
 

@@ -1,4 +1,4 @@
-"""The core for browsers: made of the sources that are here, small, with the bits of the native one."""
+"""The core for browsers: of the sources that are here, small, with the bits of the native one."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def test_its_types_have_what_the_class_has():
 
 
 def by_wasm(tmp_path, name, part):
-    """Frames of a scenario by node and by the native core: bodies (T, n, 7) each, and what node said."""
+    """Frames of a scenario by node and natively: bodies (T, n, 7) each, and what node said."""
     node = shutil.which("node") or pytest.skip("no node")
     sequence = hp.scenarios.load(name)
     motion = sequence.motion[part]

@@ -45,7 +45,7 @@ def set_pairings(core: Any, scene: Scene, settings: Settings, names: Names) -> N
 
 
 def friction_rows(scene: Scene, names: Names) -> tuple[Array, NDArray[np.bool_]]:
-    """What each row has of friction of its own (rows,), and which pairs do not go by it (rows, rows)."""
+    """Friction that each row has of its own (rows,), and pairs that have another (rows, rows)."""
     rows = names.in_scene
     own = np.diagonal(_by_item(scene, rows)[0]).copy()
     number = {name: i for i, name in enumerate(dict.fromkeys(rows))}

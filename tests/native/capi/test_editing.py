@@ -15,7 +15,9 @@ def block(mass=2.0, friction=0.5, **options):
     scene = hp.Scene()
     scene.add_static("floor", hp.Plane(), friction=0.6)
     size = (0.1, 0.2, 0.1)
-    scene.add_object("block", hp.Box(size), mass=mass, friction=friction, position=(0, 0, 0.101), **options)
+    scene.add_object(
+        "block", hp.Box(size), mass=mass, friction=friction, position=(0, 0, 0.101), **options
+    )
     return scene
 
 

@@ -28,7 +28,9 @@ def compiler():
 
 
 def numbers(line):
-    return np.array([float.fromhex(word) for word in line.split() if word.startswith(("0x", "-0x"))])
+    return np.array(
+        [float.fromhex(word) for word in line.split() if word.startswith(("0x", "-0x"))]
+    )
 
 
 def python_end(frames):

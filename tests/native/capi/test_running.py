@@ -121,7 +121,9 @@ def test_a_state_continues_bit_for_bit():
 
 
 def test_a_state_of_another_world_or_a_damaged_one_is_refused():
-    worlds = [CWorld(hp.compile_world(scene)) for scene in (hp.Scene(), hp.Scene(gravity=(0, 0, -1)))]
+    worlds = [
+        CWorld(hp.compile_world(scene)) for scene in (hp.Scene(), hp.Scene(gravity=(0, 0, -1)))
+    ]
     pose = hp.Pose((0, 0, 1.0), np.zeros((55, 3)))
     for world in worlds:
         world.reset(pose)

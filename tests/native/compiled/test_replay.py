@@ -1,7 +1,7 @@
 """World files of strangers: what is damaged or made up is refused, and what is not can be stepped.
 
-Each case is a file with a checksum that fits. `tools/sanitize.sh tests/native/compiled` watches memory;
-`HALFPHYSICS_FUZZ=SECONDS` goes on with new cases.
+Each case is a file with a checksum that fits. `tools/sanitize.sh tests/native/compiled` watches
+memory; `HALFPHYSICS_FUZZ=SECONDS` goes on with new cases.
 """
 
 from __future__ import annotations
@@ -45,8 +45,7 @@ def tried(data):
     """Reads and steps a file; whether it was taken. Only `ValueError` may say no."""
     try:
         qpos = _native.run_world(data, 2)
-    except ValueError as error:
-        assert str(error)
+    except ValueError:
         return False
     assert qpos.ndim == 1
     return True
@@ -111,9 +110,16 @@ def calls_of(data):
 
 
 def test_calls_in_another_order_missing_or_twice(files):
-    """None of it can be stepped into a crash: what is taken runs, and what must be there is missed."""
+    """What is taken runs without a crash, and what must be there is missed."""
     calls = calls_of(files[1])
-    needed = {"set_model", "set_pairings", "finish", "label_everything", "label_start", "label_friction"}
+    needed = {
+        "set_model",
+        "set_pairings",
+        "finish",
+        "label_everything",
+        "label_start",
+        "label_friction",
+    }
     for i, (name, _) in enumerate(calls):
         without = [data for j, (_, data) in enumerate(calls) if j != i]
         assert not (tried(sealed(b"".join(without), len(without))) and name in needed), name

@@ -91,7 +91,8 @@ void whole_files() {
 
 void damaged_files() {
   const std::string values(16, '\0'), good = file(call(1, 2, 1, 2, 1, 1, values), 1);
-  for (size_t length = 0; length < good.size(); length++) CHECK(!said(good.substr(0, length)).empty());
+  for (size_t length = 0; length < good.size(); length++)
+    CHECK(!said(good.substr(0, length)).empty());
   for (size_t i = 0; i < 8 * good.size(); i++) {
     std::string bad = good;
     bad[i / 8] = (char)(bad[i / 8] ^ (1 << i % 8));

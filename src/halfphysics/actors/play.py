@@ -48,7 +48,7 @@ class _Recorded(Simulator):
         if self.world is not self._recorded:
             raise InputError(
                 "play: the people and objects of the scene changed while it ran, which no result "
-                "can hold; step a halfphysics.Simulator for that"
+                "can hold; expected a scene that keeps them"
             )
         settings = self.settings
         got = self.world.stepper.run(

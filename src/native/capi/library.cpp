@@ -77,8 +77,11 @@ std::vector<unsigned char> content(const char* path) {
   need(file != nullptr, HP_BAD_FILE, std::string(path) + ": cannot read it: " + strerror(errno));
   std::vector<unsigned char> bytes;
   unsigned char block[1 << 16];
-  for (size_t n; (n = std::fread(block, 1, sizeof block, file.get())) > 0;)
+  size_t n = sizeof block;
+  while (n == sizeof block) {
+    n = std::fread(block, 1, sizeof block, file.get());
     bytes.insert(bytes.end(), block, block + n);
+  }
   need(!std::ferror(file.get()), HP_BAD_FILE, std::string(path) + ": cannot read it to its end");
   return bytes;
 }

@@ -56,8 +56,8 @@ def test_whole_files_run(files):
         assert np.isfinite(_native.run_world(data, 2)).all()
 
 
-@given(st.data())
 @drawn(40)
+@given(st.data())
 def test_flipped_bits(files, data):
     original = data.draw(st.sampled_from(files))
     body, count = bytearray(original[HEADER:]), struct.unpack("<I", original[24:28])[0]
@@ -67,8 +67,8 @@ def test_flipped_bits(files, data):
     tried(sealed(bytes(body), count))
 
 
-@given(st.data())
 @drawn(40)
+@given(st.data())
 def test_words_that_mean_something_else(files, data):
     """Sizes, indices and numbers replaced by others, in headers and small arrays above all."""
     original = files[1]
@@ -83,8 +83,8 @@ def test_words_that_mean_something_else(files, data):
     tried(sealed(bytes(body), count))
 
 
-@given(st.data())
 @drawn(20)
+@given(st.data())
 def test_cut_and_joined(files, data):
     original = data.draw(st.sampled_from(files))
     body, count = original[HEADER:], struct.unpack("<I", original[24:28])[0]

@@ -93,7 +93,7 @@ def test_ros2_messages(tmp_path):
     from support.results import takes
 
     store = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
-    names = example("10_ros2_messages.py")
+    names = example("09_ros2_messages.py")
     result = takes.result(1)
     (person,) = result.people
     topics = names["messages"](result, 7)

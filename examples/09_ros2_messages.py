@@ -1,6 +1,6 @@
 """A result as ROS 2 messages, without ROS: tf2, sensor and visualization_msgs as CDR bytes.
 
-    python examples/10_ros2_messages.py out/demo/result.npz out/ros2
+    python examples/09_ros2_messages.py out/demo/result.npz out/ros2
 
 writes one file a message and frame, such as `tf_000000.cdr`. A node publishes them as they are:
 

@@ -81,7 +81,7 @@ void set_self_pairs(Stepper& s, Square pairs) {
 void start_asleep(Stepper& s, int body) { s.start_asleep(body); }
 
 void add_trajectory(Stepper& s, int body, double fps, bool loop, Rows3 position, Rows4 turn) {
-  need(fps > 0, "add_trajectory: the frame rate must be over 0");
+  need(fps > 0 && fps <= 1e5, "add_trajectory: the frame rate must be over 0, up to 1e5");
   s.add_trajectory({body, fps, loop, vectors(position), quats(turn)});
 }
 

@@ -29,6 +29,7 @@ std::array<T, kJoints> joints(const View& v) {
 
 }  // namespace
 
+// NOLINTNEXTLINE(performance-unnecessary-value-param): arguments of calls are values
 void label_everything(Labels& labels, std::string names, std::vector<int> shape_name,
                       std::vector<int> shape_part, std::vector<int> static_name) {
   labels.everything.clear();

@@ -119,7 +119,7 @@ Endpoint Generator::endpoint(int which, Vec3 x, Vec3 measured, int feature, Mate
   const PosedShape& at = world.place(start, which);
   const bool corner = own.skin && c.other_static >= 0;  // of a skin: one of its vertices
   const Material point = corner ? Material{feature, {}} : start.material(own, at, x);
-  gap = corner ? point : start.material_beside(own, at, point, measured);
+  gap = corner ? point : start.material(own, at, measured);
   return world.active[own.body] ? start.endpoint(own, at, point) : Endpoint{};
 }
 

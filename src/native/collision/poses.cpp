@@ -123,11 +123,6 @@ Material Poses::material(const CollisionShape& m, const PosedShape& at, Vec3 x) 
   return of_vertex(m, at, nearest(p.x, p.y, p.z, p.n, x.x, x.y, x.z), x);
 }
 
-Material Poses::material_beside(const CollisionShape& m, const PosedShape& at,
-                                const Material& first, Vec3 x) const {
-  return m.skin ? of_vertex(m, at, first.vertex, x) : material(m, at, x);
-}
-
 // A point of a skin that moves with vertex v.
 Material Poses::of_vertex(const CollisionShape& m, const PosedShape& at, int v, Vec3 x) const {
   const Points p = at.points();

@@ -41,9 +41,6 @@ struct Poses {
   // The material point of a shape's surface that is at x now, and where it is at this pose. The
   // shape must be posed; a point of a skin hull moves with the nearest vertex.
   Material material(const CollisionShape& m, const PosedShape& at, Vec3 x) const;
-  // The same of a second point, which of a skin moves with the vertex of the first one.
-  Material material_beside(const CollisionShape& m, const PosedShape& at, const Material& first,
-                           Vec3 x) const;
   Vec3 position(const CollisionShape& m, const PosedShape& at, const Material& point) const;
   // The same point as contacts need it: the bodies that carry it, and by how much (its Jacobian,
   // docs/physics.md, "The skin").

@@ -49,10 +49,8 @@ void ContactCache::keep(const System& system, State& state, const ContactCandida
                         const Contact& c) {
   const World& world = system.world;
   auto material = [&](int shape, Vec3 x) -> Material {
-    const Material& known = shape == k.shape ? c.gap_a : c.gap_b;
-    if (world.shapes[shape].skin && k.other_static >= 0) return known;  // a vertex
-    const PosedShape& at = world.place(state.pose, shape);
-    return state.pose.material_beside(world.shapes[shape], at, known, x);
+    if (world.shapes[shape].skin && k.other_static >= 0) return c.gap_a;  // a vertex
+    return state.pose.material(world.shapes[shape], world.place(state.pose, shape), x);
   };
   // Of two shapes: the points that face each other, `dist` apart about the one that the impulse
   // acts on.

@@ -1,13 +1,4 @@
-"""A small client of a live session: poses in, corrected frames out.
-
-```python
-with hp.connect("ws://127.0.0.1:8765") as live:
-    for pose in poses:
-        live.send(pose)
-        frame = live.receive()
-        frame.poses["person0"], frame.objects, frame.contacts
-```
-"""
+"""A small client of a live session: poses in, corrected frames out (docs/live.md)."""
 
 from __future__ import annotations
 

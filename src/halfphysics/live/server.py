@@ -136,8 +136,8 @@ class Server:
             ready.set()
             await self._ending.wait()
             # A client that reads nothing takes no closing frame either.
-            left = [connection.transport for connection in self._clients]
-            self._loop.call_later(_CLOSING, lambda: [transport.abort() for transport in left])
+            for connection in self._clients:
+                self._loop.call_later(_CLOSING, connection.transport.abort)
 
     def _check(self, connection: ServerConnection, request: Request) -> Response | None:
         refusal = self._gate.refusal(request.path, request.headers)

@@ -118,7 +118,9 @@ class Client:
         elif busy - told:  # said once, not with every frame
             name = sorted(busy)[0]
             await self.send(
-                schema.ErrorMessage("busy", f"pose: another client moves {name} at present")
+                schema.ErrorMessage(
+                    "busy", f"pose: another client moves {name}. Move somebody else, or try later"
+                )
             )
         return not unknown
 

@@ -1,4 +1,4 @@
-"""People who react: one walks through a room, sits and takes a cup; another one meets them.
+"""People who react: one walks to a table, reaches over a cup and sits; another one meets them.
 
 Run it: python examples/07_people_who_react.py [film.npz]
 """
@@ -25,7 +25,7 @@ def room() -> hp.Scene:
 
 
 def main(out: str | None = None) -> hp.Result:
-    """Both start on the same line; the second one pushes past nobody: they go round each other."""
+    """The ways of both cross: they go round each other, and round the pillar."""
     scene = room()
     above_cup = (2.95, -0.1, 1.13)
     guest = Person(

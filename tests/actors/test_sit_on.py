@@ -12,6 +12,19 @@ from support.acted import body, range_excess, slide, smooth, until_done
 SIT = SitOn((-1.0, 0.0), height=0.44, heading=0.0, stay=1.0)
 
 
+def hands_over_thighs(motion):
+    """At the end knuckles are 7 to 20 cm above the middle lines of the thighs, and over them."""
+    joints = dict(zip(hp.JOINT_NAMES, body().joints(motion)[-1], strict=True))
+    for side in ("left", "right"):
+        hip, knee = joints[f"{side}_hip"], joints[f"{side}_knee"]
+        along = (knee - hip) / np.linalg.norm(knee - hip)
+        hand = joints[f"{side}_middle1"] - hip
+        above = hand - (hand @ along) * along
+        assert 0.5 < hand @ along / np.linalg.norm(knee - hip) < 1.0
+        assert 0.07 < above[2] < 0.2
+        assert abs(above[1]) < 0.1
+
+
 def test_it_sits_where_it_was_told_and_stands_up():
     person = Person(body(), place=(0.5, 0.0), goals=[SIT])
     motion = until_done(person)
@@ -19,6 +32,7 @@ def test_it_sits_where_it_was_told_and_stands_up():
     pelvis = body().joints(motion)[-1, 0]
     np.testing.assert_allclose(pelvis[:2], SIT.place, atol=0.02)
     assert 0.06 < pelvis[2] - SIT.height < 0.13
+    hands_over_thighs(motion)
     person.then(StandUp())
     poses = [person.next(1.0 / 30.0, Seen()) for _ in range(90)]
     assert person.done

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 
 import numpy as np
@@ -33,7 +34,7 @@ def test_a_receiver_gets_the_clip(clip, capsys, name):
     receiver = protocols.receiver(f"{name}:0", person=PERSON, body=BODY)
     receiver.start(poses.append)
     assert run("send", "walk.npz", "--as", receiver.endpoint) == 0
-    end = time.monotonic() + 5.0
+    end = time.monotonic() + 30.0
     while not poses or furthest(poses[-1].pose, clip[9], [0, 16, 18]) > 0.1:
         assert time.monotonic() < end
         time.sleep(0.01)
@@ -44,9 +45,15 @@ def test_a_receiver_gets_the_clip(clip, capsys, name):
 def test_a_live_session_gets_the_clip(clip, capsys):
     with hp.serve(port=0, fps=60.0) as live:
         url = f"ws:127.0.0.1:{live.server.port}"
+        told = set()
+        live.session.listen(lambda frame: told.update(frame.tracking.values()))
         assert run("send", "walk.npz", "--as", url, "--speed", "0.5") == 0
-        assert list(live.session.newest.tracking.values()) == ["live"]
-    assert "frames in 0.3" in capsys.readouterr().out
+        end = time.monotonic() + 30.0
+        while "live" not in told:
+            assert time.monotonic() < end
+            time.sleep(0.01)
+    # Ten frames of 1/50 s at half speed; longer where the machine is busy.
+    assert float(re.search(r"frames in (\S+) s", capsys.readouterr().out)[1]) >= 0.36
 
 
 @pytest.mark.parametrize(

@@ -54,6 +54,9 @@ def test_a_picture_shows_the_person_and_the_robot():
     colors = picture.reshape(-1, 3).astype(int)
     # The person's and the pedestal's colours are far from the floor's and the sky's greys.
     assert (np.ptp(colors, axis=1) > 60).mean() > 0.03
+    # The person wears clothes, as in all pictures: nothing else is as dark and blue as trousers.
+    red, green, blue = colors.T
+    assert ((blue > red + 8) & (blue > green + 5) & (blue < 100)).sum() > 20
     assert np.array_equal(env.render(), picture)
     assert gymnasium.make("halfphysics/HandOver-v0").render_mode is None
 

@@ -41,8 +41,8 @@ def frames(browser, least):
 def test_the_server_sends_the_page_which_shows_the_session(server, browser):
     browser.open(f"http://127.0.0.1:{server.server.port}/")
     frames(browser, 30)
-    browser.until(lambda: "of 30 frames/s" in browser.page.text_content("#rate"), 10)
-    browser.until(lambda: browser.page.text_content("#late").endswith("ms"), 10)
+    browser.until(lambda: "of 30 frames/s" in browser.page.text_content("#rate"), 30)
+    browser.until(lambda: browser.page.text_content("#late").endswith("ms"), 30)
     assert browser.page.text_content("#said") == ""
     assert "person: waiting" in browser.page.text_content("#people")
     browser.page.screenshot(path=browser.kept / "live-page.png")
@@ -69,13 +69,13 @@ def test_the_ball_is_dragged(server, browser):
     mouse.move(x, y)
     mouse.down()
     mouse.move(x, y - 60, steps=5)
-    browser.until(lambda: browser.evaluate(ball)[2] > before[2] + 0.3, 10)
+    browser.until(lambda: browser.evaluate(ball)[2] > before[2] + 0.3, 30)
     mouse.up()
-    browser.until(lambda: browser.evaluate(ball)[2] < before[2] + 0.05, 10)
+    browser.until(lambda: browser.evaluate(ball)[2] < before[2] + 0.05, 30)
     assert browser.page.text_content("#said") == ""
 
 
 def test_the_page_from_disk(server, browser):
     browser.open(f"{PAGE.as_uri()}?server=ws://127.0.0.1:{server.server.port}")
-    frames(browser, 10)
+    frames(browser, 30)
     assert browser.page.text_content("#said") == ""

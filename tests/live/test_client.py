@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import collections
+import time
 
 import numpy as np
 import pytest
@@ -91,6 +92,16 @@ def test_the_end_of_a_session(session):
             live.send(session.newest.poses["person0"])
         with pytest.raises(FileError, match="closed"):
             live.receive(20)
+
+
+def test_a_client_that_has_not_read_is_closed_at_once(live, server):
+    """Frames that wait do not hold the closing handshake up until its time is over."""
+    for _ in range(3):
+        live.receive(20)
+    time.sleep(1.0)
+    begun = time.monotonic()
+    live.close()
+    assert time.monotonic() - begun < 5.0  # nothing; before, the ten seconds of a time limit
 
 
 def test_a_timeout(session):

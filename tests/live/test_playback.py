@@ -63,8 +63,16 @@ def test_late_frames_are_left_out():
     time = Time(busy=0.05)
     played = time.play(clip(51))
     assert played.frames < 25
-    assert played.frames + played.late == pytest.approx(51, abs=2)
+    assert played.frames + played.late == 51
     assert time.frames[-1][0] == pytest.approx(1.0, abs=0.06)
+    assert places(time)[-1] == pytest.approx(1.0)  # it ends in the clip's last pose
+
+
+def test_the_last_frame_is_sent_however_late():
+    time = Time(busy=3.0)
+    played = time.play(clip(51))
+    assert places(time) == pytest.approx([0.0, 1.0])
+    assert (played.frames, played.late) == (2, 49)
 
 
 def test_loops_end_by_time():

@@ -18,7 +18,7 @@ def test_a_session_with_all_of_it(scene, tmp_path):
             for _ in range(30):
                 live.send({"person1": pose})
                 live.receive(20)
-        assert served.latency.percentiles(50.0)[0] < 10.0
+        assert 0.0 < served.latency.percentiles(50.0)[0] < 10.0  # [s]
     assert not served.running
     assert repr(served) == "LiveServer(2 people, stopped)"
     served.stop()  # twice is fine
@@ -73,12 +73,12 @@ def test_poses_come_in_by_another_protocol(scene):
 def test_killed_it_has_recorded_all_but_the_last_second(tmp_path):
     server = ServerProcess("shake_hands", "--out", str(tmp_path / "out.npz"))
     with hp.connect(server.url) as live:
-        first = live.receive(20).clock
-        while (last := live.receive(20)).clock - first < 2.5:
+        while (last := live.receive(20)).time < 3.0:
             pass
         server.kill()
     result = hp.Result.load(tmp_path / "out.npz.unfinished")
-    assert len(result) / result.fps > last.time - 1.0
+    # Blocks are written twice a second; tests that run beside this one may delay one of them.
+    assert len(result) / result.fps > last.time - 2.0
     assert not (tmp_path / "out.npz").exists()
 
 

@@ -65,6 +65,8 @@ class CError(Exception):
 class CWorld:
     """A world of the C library; methods as in the npm package."""
 
+    handle = None
+
     def __init__(self, data):
         lib = load()
         self.handle = c_void_p(lib.hp_world_load(data, c_size_t(len(data))))
@@ -75,7 +77,8 @@ class CWorld:
         self.names = [lib.hp_name(self.handle, i).decode() for i in range(count)]
 
     def __del__(self):
-        load().hp_world_free(self.handle)
+        if self.handle:
+            load().hp_world_free(self.handle)
 
     def call(self, function, *given):
         """Calls a function with arrays, numbers and names; raises `CError`."""

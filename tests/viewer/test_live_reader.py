@@ -31,6 +31,9 @@ def test_frames_that_are_missing_are_counted_and_clocks_compared():
         numbers.frame(SimpleNamespace(frame=frame, clock=110.0), 9.503)
     assert (numbers.heard, numbers.lost, numbers.trip) == (3, 2, 0.002)
     assert numbers.age == pytest.approx(0.003)
+    assert numbers.rate == 0.0  # three frames in no time
+    numbers.frame(SimpleNamespace(frame=10, clock=110.0), 9.603)
+    assert numbers.rate == pytest.approx(30.0)
     numbers.connected()  # frames are counted anew by a new server
     numbers.ping(0.002, 0.0)
     numbers.frame(SimpleNamespace(frame=0, clock=1.0), 1.0)
@@ -43,7 +46,7 @@ def test_a_session_is_heard_and_an_edit_is_noticed():
         try:
             first = reader.frame.frame
             until(lambda: reader.frame.frame > first + 5)
-            assert reader.numbers.rate <= 1.5 * FPS
+            assert reader.numbers.rate > 0.0
             assert set(reader.frame.poses) == {"person"} == set(reader.frame.targets)
             scenes = reader.scenes
             with connect(server.url) as other:

@@ -184,6 +184,7 @@ def test_knobs_change_the_core_and_are_taken_back(page):
     page.page.get_by_text("As it was").click()
     assert ask(page, "return physics.world.mass('ball');") == pytest.approx(0.43, rel=1e-12)
     assert ask(page, "return physics.turned.stiffness;") is None
+    ask(page, "physics.playing = false;")
     page.page.get_by_text("Start again").click()
     assert ask(page, "return physics.index;") < 10
 

@@ -18,11 +18,13 @@ _DOWN, _FORWARD = 1.5, 0.9
 _READY, _UP = 0.7, 1.3
 # Pitch of the pelvis [rad]: on the way, and at rest.
 _WAY, _REST = 0.62, -0.1
-# Bend of the spine, nod of the head, lift of the arms, bend of the elbows: on the way, at rest.
+# Bend of the spine, nod of the head, lift of the arms, bend of the elbows [rad]: on the way, at
+# rest. At rest arms hang, and hands are over the thighs: upper arms are turned in by `_INWARD`.
 _BEND = (0.3, 0.12)
 _NOD = (-0.25, 0.0)
-_ARMS = (-0.75, -0.5)
-_ELBOWS = (0.35, 0.75)
+_ARMS = (-0.75, -0.05)
+_ELBOWS = (0.35, 1.1)
+_INWARD = (0.0, 0.3)
 
 
 class Seat:
@@ -30,7 +32,8 @@ class Seat:
 
     def __init__(self) -> None:
         self._across, self._down, self._pitch = Glide(), Glide(), Glide()
-        self._bend, self._nod, self._arms, self._elbows = Glide(), Glide(), Glide(), Glide()
+        self._bend, self._nod = Glide(), Glide()
+        self._arms, self._elbows, self._inward = Glide(), Glide(), Glide()
         self._pelvis: Vec = (0.0, 0.0, 0.0)
         self._wait: tuple[float, str] | None = None
 
@@ -51,6 +54,10 @@ class Seat:
 
     def _all_there(self) -> bool:
         return all(g.there for g in (self._across, self._down, self._pitch, self._bend, self._arms))
+
+    @property
+    def _arm_glides(self) -> tuple[Glide, Glide, Glide]:
+        return (self._arms, self._elbows, self._inward)
 
     def sit(self, pelvis: Vec) -> None:
         """Sit down: the pelvis joint comes to a place in the world [m]."""
@@ -73,6 +80,7 @@ class Seat:
         self._nod.to(_NOD[way], seconds)
         self._arms.to(_ARMS[way], seconds)
         self._elbows.to(_ELBOWS[way], seconds)
+        self._inward.to(_INWARD[way], seconds)
 
     def advance(self, dt: float) -> None:
         """Go on by `dt` [s]."""
@@ -84,7 +92,7 @@ class Seat:
                 self._go_on(self._wait[1])
         for glide in (self._across, self._down, self._pitch, self._bend):
             glide.advance(dt)
-        for glide in (self._nod, self._arms, self._elbows):
+        for glide in (self._nod, *self._arm_glides):
             glide.advance(dt)
 
     def _go_on(self, what: str) -> None:
@@ -94,7 +102,7 @@ class Seat:
             return
         self._across.to(0.0, _UP)
         self._down.to(0.0, _UP)
-        for glide in (self._pitch, self._bend, self._nod, self._arms, self._elbows):
+        for glide in (self._pitch, self._bend, self._nod, *self._arm_glides):
             glide.to(0.0, _UP)
 
     def stand(self, stand: Stand) -> Stand:
@@ -115,11 +123,12 @@ class Seat:
         return gaze._replace(nod=gaze.nod + self._nod.value)
 
     def arm(self, left: float, arm: ArmTurns) -> ArmTurns:
-        """An arm, lifted with its elbow bent."""
-        if not self._arms.value and not self._elbows.value:
+        """An arm, lifted and turned in, with its elbow bent."""
+        if not any(glide.value for glide in self._arm_glides):
             return arm
+        lifted = multiply(about_x(self._arms.value), about_y(-left * self._inward.value))
         return arm._replace(
-            shoulder=multiply(about_x(self._arms.value), arm.shoulder),
+            shoulder=multiply(lifted, arm.shoulder),
             elbow=multiply(about_y(-left * self._elbows.value), arm.elbow),
         )
 

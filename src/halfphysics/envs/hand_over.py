@@ -31,6 +31,8 @@ ROBOT_AT = np.array([1.15, 0.0, 0.0])
 RADIUS, HEIGHT, MASS = 0.035, 0.12, 0.25
 #: Fastest motion of the fingers' middle [m/s], and of a finger [m/s].
 SPEED, FINGER_SPEED = 0.8, 0.12
+#: Fastest wrist of the person [m/s].
+WRIST_SPEED = 1.2
 #: Where people like to be given things, in their frame (3,) [m].
 COMFORT = np.array([0.46, -0.14, 1.12])
 #: Nearer than this to that place the person comes to take [m], from a cup slower than this [m/s].
@@ -178,7 +180,7 @@ class HandOver(Task):
         goal = np.where(self._held[:, None], 0.6 * back, near)
         rest = people.hangs - people.wrist
         goal = np.where(wants[:, None], goal, np.where((away < 2.0 * OFFERED)[:, None], 0.0, rest))
-        velocity = 5.0 * goal / 1.2
+        velocity = 5.0 * goal / WRIST_SPEED
         size = np.maximum(_length(velocity), 1e-9)
         velocity = velocity * np.minimum(1.0, 0.8 * self._pace / size)[:, None]
         return np.concatenate([velocity, np.where(wants, 1.0, -1.0)[:, None]], axis=1)
@@ -192,7 +194,7 @@ class HandOver(Task):
         fingers = np.repeat(self._opening[:, None], 2, axis=1)
         rests = np.concatenate([ARM.reach(self._point), fingers], axis=1)
         self._grasp(commands[:, 3] > 0.0, active)
-        self.people.tell(1.2 * commands[:, :3], 1.0 * self._held, dt, active)
+        self.people.tell(WRIST_SPEED * commands[:, :3], 1.0 * self._held, dt, active)
         return self.people.targets(), rests
 
     def judge(self, active: Flags) -> Outcome:

@@ -36,8 +36,12 @@ def picture(task: Task, i: int = 0, size: tuple[int, int] = SIZE) -> NDArray[np.
     if not (len(size) == 2 and all(is_whole(s, least=1) and s <= MOST for s in size)):
         raise InputError(f"size: found {shown(size)}, expected two whole numbers from 1 to {MOST}")
     drawing = Drawing(cast("Result", task.worlds.moment(i)))
-    surfaces = drawing.surfaces(0)
     view = task.view
     camera = Camera(position=np.array(view.position), target=np.array(view.target), fov=view.fov)
     look = Look().aimed(camera, drawing.middle)
-    return np.asarray(render(list(surfaces.values()), camera, size, look=look), dtype=np.uint8)
+    surfaces = [
+        *drawing.still().values(),
+        *drawing.moving(0, ghost=False),
+        *drawing.edges(camera, size[1]),
+    ]
+    return np.asarray(render(surfaces, camera, size, look=look), dtype=np.uint8)

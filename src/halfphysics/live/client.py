@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import math
+import threading
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -24,8 +26,8 @@ from halfphysics.motion.pose import Pose
 
 Array = NDArray[np.float64]
 
-#: Time within which an edit is answered, and a connection is made [s].
-_ANSWERS, _OPENS = 10.0, 10.0
+#: Time within which an edit is answered, a connection is made, and closed [s].
+_ANSWERS, _OPENS, _CLOSES = 10.0, 10.0, 1.0
 #: Largest message of a server: its first one has the meshes of the scene [bytes].
 _LARGEST = 256 * 2**20
 
@@ -95,6 +97,7 @@ class LiveClient:
                 compression=None,
                 max_size=_LARGEST,
                 open_timeout=_OPENS,
+                close_timeout=_CLOSES,
                 proxy=None,
             )
         except InvalidURI as error:
@@ -225,8 +228,14 @@ class LiveClient:
         return trip, clock - (start + 0.5 * trip)
 
     def close(self) -> None:
-        """Close the connection."""
-        self._connection.close()
+        """Close the connection; what was not received is passed over."""
+        # The answer of the server comes after all frames, so they are read meanwhile.
+        closing = threading.Thread(target=self._connection.close, daemon=True)
+        closing.start()
+        with contextlib.suppress(ConnectionClosed, TimeoutError):
+            while True:
+                self._connection.recv(_CLOSES)
+        closing.join()
 
     def __enter__(self) -> LiveClient:
         return self

@@ -36,6 +36,7 @@ class Client:
         wanted: What it wants of frames.
         drives: It has sent a pose.
         budget: What it may send.
+        edited: `Session.edited` of the scene that it knows.
     """
 
     def __init__(
@@ -50,6 +51,7 @@ class Client:
         self.wanted = Subscription()
         self.drives = False
         self.budget = Budget()
+        self.edited = session.edited
         self._session, self._loop = session, loop
         self._next = 0.0  # time of the next frame, where it wants fewer
         self._busy: frozenset[str] = frozenset()  # people whom somebody else drives
@@ -116,7 +118,9 @@ class Client:
         elif busy - told:  # said once, not with every frame
             name = sorted(busy)[0]
             await self.send(
-                schema.ErrorMessage("busy", f"pose: another client moves {name} at present")
+                schema.ErrorMessage(
+                    "busy", f"pose: another client moves {name}. Move somebody else, or try later"
+                )
             )
         return not unknown
 

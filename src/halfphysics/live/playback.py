@@ -42,7 +42,7 @@ def play(
     clock: Callable[[], float] = time.monotonic,
     sleep: Callable[[float], None] = time.sleep,
 ) -> Played:
-    """Send a clip's frames when they are due; frames that are late are left out.
+    """Send a clip's frames when they are due; frames that are late are left out, but for the last.
 
     Args:
         motion: The clip, with `axes` of the identity (`Motion.rebased`).
@@ -60,11 +60,11 @@ def play(
     rate = motion.fps if fps is None else frame_rate(fps)
     speed = number(speed, "speed", above=0.0, most=100.0)
     clip = motion.resample(rate / speed)
-    last = np.inf if loop else len(clip)
+    count = np.inf if loop else len(clip)
     if seconds is not None:
-        last = min(last, number(seconds, "seconds", above=0.0) * rate)
+        count = min(count, np.ceil(number(seconds, "seconds", above=0.0) * rate))
     begun, frame, sent = clock(), 0, 0
-    while frame < last:
+    while frame < count:
         wait = begun + frame / rate - clock()
         if wait > 0.0:
             sleep(wait)
@@ -72,7 +72,8 @@ def play(
         for sender in senders:
             sender.send(out)
         sent += 1
-        frame = max(frame + 1, int((clock() - begun) * rate))
+        due = max(frame + 1, int((clock() - begun) * rate))
+        frame = int(count if frame == count - 1 else min(due, count - 1))
     return Played(sent, frame - sent, clock() - begun)
 
 

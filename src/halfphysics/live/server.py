@@ -31,9 +31,8 @@ if TYPE_CHECKING:
 
 #: Watchers who are sent a frame at once; then whoever has sent a pose gets a turn.
 _AT_ONCE = 16
-#: Time for an opening handshake, and between two signs of life [s].
-_OPENING, _ALIVE = 5.0, 20.0
-
+#: Time for an opening handshake, between two signs of life, and for a closing handshake [s].
+_OPENING, _ALIVE, _CLOSING = 5.0, 20.0, 1.0
 #: Bytes that are read at once.
 _READ = 16 * 1024
 #: Ports that are tried, from the one that was asked for.
@@ -66,7 +65,6 @@ class Server:
         self.skipped = self.errors = 0
         self._clients: dict[ServerConnection, Client] = {}
         self._opened = 0
-        self._edited = session.edited
         self._newest: Outgoing | None = None
         self._handing = threading.Lock()
         self._loop: asyncio.AbstractEventLoop
@@ -131,12 +129,15 @@ class Server:
             open_timeout=_OPENING,
             ping_interval=_ALIVE,
             ping_timeout=_ALIVE,
-            close_timeout=1.0,
+            close_timeout=_CLOSING,
             server_header=None,
             logger=_quiet(),
         ):
             ready.set()
             await self._ending.wait()
+            # A client that reads nothing takes no closing frame either.
+            for connection in self._clients:
+                self._loop.call_later(_CLOSING, connection.transport.abort)
 
     def _check(self, connection: ServerConnection, request: Request) -> Response | None:
         refusal = self._gate.refusal(request.path, request.headers)
@@ -206,10 +207,7 @@ class Server:
             frame, self._newest = self._newest, None
         if frame is None:
             return
-        if self._edited != self._session.edited:
-            self._edited = self._session.edited
-            message = schema.SceneMessage(*scene_items(self._session.simulator.world.scene))
-            self._send({client: message for client in self._clients.values()})
+        self._send_scene()
         drivers = [c for c in self._clients.values() if c.drives and c.wants(frame)]
         self._send_frame(frame, drivers)
         if self._watching is None or self._watching.done():
@@ -243,9 +241,16 @@ class Server:
                 encoded[key] = schema.encode(message, group[0].binary)
             broadcast([c.connection for c in group], encoded[key], text=not group[0].binary)
 
-    def _send(self, messages: Mapping[Client, Any]) -> None:
-        for client, message in messages.items():
-            if not client.is_slow and client.connection.protocol.state is State.OPEN:
+    def _send_scene(self) -> None:
+        """Send statics and objects to those who know older ones; to slow ones once they keep up."""
+        edited = self._session.edited
+        behind = [c for c in self._clients.values() if c.edited != edited and not c.is_slow]
+        if not behind:
+            return
+        message = schema.SceneMessage(*scene_items(self._session.simulator.world.scene))
+        for client in behind:
+            if client.connection.protocol.state is State.OPEN:
+                client.edited = edited
                 data = schema.encode(message, client.binary)
                 broadcast([client.connection], data, text=not client.binary)
 

@@ -62,14 +62,16 @@ def test_a_session_passes_poses_on(name):
     with hp.serve(scene, port=0, fps=60.0, listen=[into], forward=forward) as live:
         (person,) = live.session.people
         sender = protocols.sender(into, person=PERSON, body=BODY)
-        end = time.monotonic() + 10.0
+        end = time.monotonic() + 60.0
         frame = 0
-        while not got or furthest(got[-1].pose, pose) > WITHIN:
+        there = False
+        while not there:
             assert time.monotonic() < end, furthest(got[-1].pose, pose) if got else "nothing"
             sender.send(outgoing(pose, frame))
             frame += 1
             time.sleep(1 / 60)
-        assert live.session.newest.tracking[person] == "live"
+            there = bool(got) and furthest(got[-1].pose, pose) <= WITHIN
+            there = there and live.session.newest.tracking[person] == "live"
         sender.stop()
     last.stop()
     assert np.abs(got[-1].pose.translation - pose.translation).max() < 0.01

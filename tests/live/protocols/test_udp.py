@@ -33,7 +33,7 @@ class Echo:
         self.calibrated += 1
 
 
-def eventually(condition, seconds=5.0):
+def eventually(condition, seconds=30.0):
     end = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < end

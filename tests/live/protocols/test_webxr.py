@@ -131,7 +131,8 @@ def test_a_t_pose_calibrates_any_device(entered):
         return {name: [*(0.8 * x for x in row[:3]), *row[3:]] for name, row in rows.items()}
 
     page.evaluate("(body) => { device.body = body; }", small(t_pose()))
-    page.page.wait_for_timeout(200)
+    sent = page.evaluate("state.sent")
+    page.until(lambda: page.evaluate("state.sent") > sent + 2)
     page.page.click("#calibrate")
     reached(live, page, t_pose(), GIVEN)
     page.evaluate("(body) => { device.body = body; }", small(REACH))

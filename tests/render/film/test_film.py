@@ -14,6 +14,7 @@ from halfphysics.errors import FileError, InputError, MissingDependencyError
 from halfphysics.geometry.shapes import Box, Plane, Sphere
 from halfphysics.render.film import CAMERAS, FilmOptions, encoding, save_film, save_picture
 from halfphysics.render.film.filming import Shoot
+from halfphysics.render.film.overlay import Overlay
 from halfphysics.render.film.saving import film_rate, film_times
 from halfphysics.render.film.tracking import Story, hiding, track
 from halfphysics.render.result_meshes import Drawing
@@ -234,6 +235,17 @@ def test_the_time_is_written_and_labels_are_and_both_can_be_left_out():
     assert written[:24, :70].max(axis=2).min() < 80  # dark letters
     later = shoot(big).picture(9)
     assert (later[-26:, :60] != written[-26:, :60]).any()
+
+
+def test_a_shorter_time_begins_where_its_digits_are():
+    """Times end at the same place; before the digit of 1.00 there is no box of a missing letter."""
+    overlay = Overlay((200, 100), [(0, 0, 200, 100)], times=[1.0, 10.0])
+    first = []
+    for index in range(2):
+        picture = np.full((100, 200, 3), 255, dtype=np.uint8)
+        overlay.draw(picture, index)
+        first.append(np.flatnonzero(picture.min(axis=(0, 2)) < 128)[0])
+    assert first[0] - first[1] >= 4  # a digit of the smallest text is 5 pixels wide
 
 
 @pytest.mark.slow

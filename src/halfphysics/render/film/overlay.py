@@ -139,7 +139,8 @@ def _plate(text: str, pixels: int, before: int = 0) -> Patch:
     draw = ImageDraw.Draw(ink)
     x = float(pad + before)
     for letter in text:
-        draw.text((x, 0.5 * height), letter, fill=255, font=_font(letter, pixels), anchor="lm")
+        if not letter.isspace():  # a font without the figure space draws a box for it
+            draw.text((x, 0.5 * height), letter, fill=255, font=_font(letter, pixels), anchor="lm")
         x += _step(letter, pixels)
     # Smooth round corners: draw them large, then scale down.
     plate = Image.new("L", (4 * width, 4 * height))

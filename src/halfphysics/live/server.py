@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 
 from websockets.asyncio.server import ServerConnection, broadcast, serve
 from websockets.exceptions import ConnectionClosed
-from websockets.protocol import State
 
 from halfphysics.errors import FileError, InputError
 from halfphysics.live import schema
@@ -31,8 +30,8 @@ if TYPE_CHECKING:
 
 #: Watchers who are sent a frame at once; then whoever has sent a pose gets a turn.
 _AT_ONCE = 16
-#: Time for an opening handshake, and between two signs of life [s].
-_OPENING, _ALIVE = 5.0, 20.0
+#: Time for an opening handshake, between two signs of life, and for a closing handshake [s].
+_OPENING, _ALIVE, _CLOSING = 5.0, 20.0, 1.0
 
 #: Bytes that are read at once.
 _READ = 16 * 1024
@@ -66,7 +65,7 @@ class Server:
         self.skipped = self.errors = 0
         self._clients: dict[ServerConnection, Client] = {}
         self._opened = 0
-        self._edited = session.edited
+        self._open: set[ServerConnection] = set()  # those too that have not read the first message
         self._newest: Outgoing | None = None
         self._handing = threading.Lock()
         self._loop: asyncio.AbstractEventLoop
@@ -131,16 +130,22 @@ class Server:
             open_timeout=_OPENING,
             ping_interval=_ALIVE,
             ping_timeout=_ALIVE,
-            close_timeout=1.0,
+            close_timeout=_CLOSING,
             server_header=None,
             logger=_quiet(),
         ):
             ready.set()
             await self._ending.wait()
+            # A closing frame waits behind all that a client does not read, without a timeout.
+            self._loop.call_later(_CLOSING, self._cut_off)
+
+    def _cut_off(self) -> None:
+        for connection in self._open:
+            connection.transport.abort()
 
     def _check(self, connection: ServerConnection, request: Request) -> Response | None:
         refusal = self._gate.refusal(request.path, request.headers)
-        if refusal is None and len(self._clients) >= MOST_CLIENTS:
+        if refusal is None and len(self._open) >= MOST_CLIENTS:
             refusal = Refusal(503, f"found {MOST_CLIENTS} clients, expected fewer. Try again later")
         if refusal is not None:
             return connection.respond(http.HTTPStatus(refusal.status), refusal.reason + "\n")
@@ -164,6 +169,7 @@ class Server:
 
     async def _serve(self, connection: ServerConnection) -> None:
         self._opened += 1
+        self._open.add(connection)
         # A frame is sent when it is there, not when the one before it was acknowledged (Nagle).
         own: socket.socket = connection.transport.get_extra_info("socket")
         own.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -183,6 +189,7 @@ class Server:
         except ConnectionClosed:
             pass
         finally:
+            self._open.discard(connection)
             self._clients.pop(connection, None)
             self._session.leave(client.source)
 
@@ -206,10 +213,7 @@ class Server:
             frame, self._newest = self._newest, None
         if frame is None:
             return
-        if self._edited != self._session.edited:
-            self._edited = self._session.edited
-            message = schema.SceneMessage(*scene_items(self._session.simulator.world.scene))
-            self._send({client: message for client in self._clients.values()})
+        self._send_scene()
         drivers = [c for c in self._clients.values() if c.drives and c.wants(frame)]
         self._send_frame(frame, drivers)
         if self._watching is None or self._watching.done():
@@ -243,11 +247,19 @@ class Server:
                 encoded[key] = schema.encode(message, group[0].binary)
             broadcast([c.connection for c in group], encoded[key], text=not group[0].binary)
 
-    def _send(self, messages: Mapping[Client, Any]) -> None:
-        for client, message in messages.items():
-            if not client.is_slow and client.connection.protocol.state is State.OPEN:
-                data = schema.encode(message, client.binary)
-                broadcast([client.connection], data, text=not client.binary)
+    def _send_scene(self) -> None:
+        """Tell whoever does not know yet what is in the scene; who is slow, when it has read."""
+        edited = self._session.edited
+        behind = [c for c in self._clients.values() if c.edited != edited and not c.is_slow]
+        if not behind:
+            return
+        message = schema.SceneMessage(*scene_items(self._session.simulator.world.scene))
+        for binary in {client.binary for client in behind}:
+            some = [client for client in behind if client.binary == binary]
+            data = schema.encode(message, binary)
+            broadcast([client.connection for client in some], data, text=not binary)
+            for client in some:
+                client.edited = edited
 
 
 def _protocol(connection: ServerConnection, offered: Any) -> Any:

@@ -77,6 +77,16 @@ def test_who_stands_is_never_quite_still():
     [
         (lambda: Person(body(), place=(1.0, 2.0, 3.0)), "Person: place: expected 2 finite numbers"),
         (lambda: Person(body(), heading="north"), "Person: heading: expected a number"),
+        (lambda: Person(body(), goals="walk"), "goals: expected goals such as"),
+        (lambda: Person(body(), goals=[WalkTo]), "goals: expected goals such as"),
+        (lambda: Person(body()).do(None), "goals: expected goals such as"),
+        (lambda: Person(body()).then(7), "goals: expected goals such as"),
+        (lambda: Person(body()).next(float("nan"), Seen()), "Person.next: dt: expected a number"),
+        (lambda: Person(body()).next(1 / 30, None), "Person.next: expected what it sees"),
+        (
+            lambda: Person(body(), goals=[WalkTo((1e300, 0.0))]).next(1 / 30, Seen()),
+            "found a place 1e.300 m away",
+        ),
         (lambda: Person(body()).reset(-1), "Person.reset: expected a seed of at least 0, found -1"),
     ],
 )

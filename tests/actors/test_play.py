@@ -75,3 +75,11 @@ def test_impossible_plays_are_refused(actors, seconds, words):
     cast = Person(body(), goals=[WalkTo((1.0, 0.0))]) if actors is None else actors
     with pytest.raises(hp.errors.InputError, match=words):
         play(cast, floor(), seconds=seconds)
+
+
+def test_an_actor_plays_one_person_by_whole_seeds():
+    person = Person(body())
+    with pytest.raises(hp.errors.InputError, match="one actor twice"):
+        play([person, person], floor(), seconds=0.5)
+    with pytest.raises(hp.errors.InputError, match="expected a seed of at least 0, found 'x'"):
+        play(person, floor(), seconds=0.5, seed="x")

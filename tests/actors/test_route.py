@@ -7,7 +7,7 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.actors.floor_plan import FloorPlan, surface_points
-from halfphysics.actors.path import Point
+from halfphysics.actors.path import Path, Point
 from halfphysics.actors.route import NARROW, route
 from halfphysics.actors.seen import Seen
 
@@ -73,6 +73,28 @@ def test_objects_count_where_they_are_seen():
     ]
     assert ways[0].length > 4.05
     assert ways[1].length == 4.0
+
+
+def test_an_end_that_is_far_away_is_walked_to():
+    """A grid of all the way there would take the machine's memory."""
+    plan = FloorPlan(room(((0.3, 6.0, 3.0), (1.5, 0.0, 1.5))))
+    way = route(plan, Point(0.0, 0.0), Point(5000.0, 0.0), NOBODY)
+    assert way.end == (5000.0, 0.0)
+    assert 5000.0 < way.length < 5010.0
+    assert room_along(plan, Path(way.points[:-1])) >= NARROW
+
+
+def test_what_is_below_and_above_people_has_no_points(monkeypatch):
+    """A floor of a hundred metres took gigabytes."""
+    counts = []
+
+    def counted(vertices, faces):
+        counts.append(len(faces))
+        return surface_points(vertices, faces)
+
+    monkeypatch.setattr("halfphysics.actors.floor_plan.surface_points", counted)
+    FloorPlan(room(((100.0, 100.0, 0.1), (0, 0, -0.05)), ((100.0, 100.0, 0.1), (0, 0, 2.5))))
+    assert counts == [0, 0]
 
 
 def test_points_on_surfaces_leave_no_gap():

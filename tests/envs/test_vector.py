@@ -114,8 +114,13 @@ def test_mistakes():
     env = make("halfphysics/HandOver-v0", 2, threads=1)
     with pytest.raises(InputError, match="call reset"):
         env.step(np.zeros((2, 4)))
-    with pytest.raises(InputError, match="seed: found"):
-        env.reset(seed=[1])
+    for seed in ([1], ["a", "b"], [1.5, 2.0], [-1, 0], -1):
+        with pytest.raises(InputError, match="seed: found"):
+            env.reset(seed=seed)
+    first = env.reset(seed=3)[0]
+    for seed in (np.int64(3), np.array([3, 4])):
+        np.testing.assert_array_equal(env.reset(seed=seed)[0], first)
+    env = make("halfphysics/HandOver-v0", 2, threads=1)
     with pytest.raises(InputError, match="reset_mask"):
         env.reset(options={"reset_mask": np.array([1, 0])})
     with pytest.raises(InputError, match="'reset_mask' only"):

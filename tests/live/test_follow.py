@@ -80,6 +80,17 @@ def test_a_jump_is_reached_at_human_speed(follower, jump):
     np.testing.assert_array_equal(targets[-1].rotations, pose(**jump).rotations)
 
 
+def test_a_sender_s_clock_lets_nobody_jump(follower):
+    """A clock of milliseconds, or any other: 30 m within a step stay a jump."""
+    for k in range(30):
+        follower.advance(arrival(pose(), time=1e300 * k), 0.0, DT)
+    before = follower.pose
+    jumped = follower.advance(arrival(pose(x=30.0), time=1e300 * 30), 0.0, DT)
+    assert speeds([before, jumped])[0] < 1.01 * ROOT_SPEED
+    late = follower.advance(arrival(pose(x=0.0), time=1e300 * 30 + 0.1), 0.0, DT)
+    assert speeds([jumped, late])[0] < 1.01 * ROOT_SPEED
+
+
 def test_the_first_pose_is_a_jump(follower):
     assert follower.tracking == "waiting"
     first = follower.advance(arrival(pose(x=2.0), gap=0.0), 0.0, 0.0)

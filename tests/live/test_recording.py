@@ -9,6 +9,7 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.errors import FileError
+from halfphysics.formats.results import unfinished
 from halfphysics.live import schema
 from halfphysics.live.incoming import IncomingPose
 from halfphysics.live.recording import Recorder
@@ -108,13 +109,35 @@ def test_an_earlier_recording_is_not_overwritten(session, tmp_path):
     assert (tmp_path / "out.npz.unfinished").read_bytes() == b"precious"
 
 
-def test_nothing_to_record_stays_as_it_is(session, tmp_path):
-    recorder = Recorder(tmp_path / "out.npz", session.simulator)
+def test_without_frames_nothing_stays(session, tmp_path):
+    """A session that did not start, as its port is in use, does not stop the next one."""
+    for _ in range(2):
+        Recorder(tmp_path / "out.npz", session.simulator).close()
+        assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("fault", [OSError(28, "No space left on device"), KeyError("a fault")])
+def test_frames_after_a_block_that_was_cut_off_are_kept(session, tmp_path, monkeypatch, fault):
+    """A disk that is full for a while costs the frames of that time only."""
+    write, calls = unfinished.write_frames, []
+
+    def fails_once(file, fields):
+        calls.append(len(fields["clearance"]))
+        write(file, fields)
+        if len(calls) == 1:
+            file.seek(-100, 2)
+            file.truncate()
+            raise fault
+
+    monkeypatch.setattr(unfinished, "write_frames", fails_once)
+    monkeypatch.setattr("halfphysics.live.recording._EVERY", 0.0)  # each frame is a block
+    recorder, frames = record(session, tmp_path / "out.npz", frames=20)
     recorder.close()
-    assert recorder.partial.exists()
-    assert not (tmp_path / "out.npz").exists()
-    with pytest.raises(FileError, match="no frames"):
-        hp.Result.load(recorder.partial)
+    assert (calls[0], recorder.left_out) == (1, 1)
+    result = hp.Result.load(tmp_path / "out.npz")
+    np.testing.assert_array_equal(
+        result.motion.translation, [f.poses["person0"].translation for f in frames[1:]]
+    )
 
 
 def test_a_folder_that_is_not_there(session, tmp_path):

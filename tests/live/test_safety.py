@@ -47,6 +47,7 @@ def test_no_loopback(host):
         ({**LOCAL, "Origin": "null"}, 403),
         ({**LOCAL, "Origin": "file://127.0.0.1:8765"}, 403),
         ({**LOCAL, "Origin": ""}, None),
+        ({**LOCAL, "Origin": "http://["}, 403),  # no address at all
     ],
 )
 def test_host_and_origin(headers, status):
@@ -75,6 +76,10 @@ def test_origins_that_are_told():
         ("/", {"Authorization": "bearer secret-12"}, None),
         ("/", {"Authorization": "Basic secret-12"}, 401),
         ("/", {"Authorization": "secret-12"}, 401),
+        ("/", {"Authorization": "Bearer \udcff"}, 401),  # a byte that is no ASCII
+        ("/?token=\udcff", {}, 401),
+        ("//[", {}, 401),
+        ("//[?token=secret-12", {}, None),
     ],
 )
 def test_token(path, headers, status):

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import http.client
 import json
 import socket
+import threading
 import time
 
 import msgspec
@@ -225,37 +227,73 @@ def test_a_client_that_does_not_read_gets_the_newest_frames_and_delays_nobody(se
         assert first["frame"] < frame["frame"]
 
 
-def test_a_client_that_was_slow_learns_of_edits(server, monkeypatch):
-    from halfphysics.live import clients
-
-    add = {"action": "add", "name": "b", "shape": "sphere:0.1", "mass": 1, "position": [0, 3, 1]}
-    with opened(server) as one, opened(server) as other:
-        until(other, "frame")
-        monkeypatch.setattr(clients, "MOST_WAITING", -1)  # everybody is slow
-        one.send(json.dumps({"type": "edit", "id": "x", "edit": add}))
-        until(one, "done")
-        skipped, deadline = server.skipped, time.monotonic() + 30.0
-        while server.skipped < skipped + 6 and time.monotonic() < deadline:
-            time.sleep(0.01)
-        monkeypatch.undo()
-        assert [o["name"] for o in until(other, "scene")["objects"]] == ["ball", "b"]
-
-
-def test_the_end_does_not_wait_for_who_does_not_read(session):
-    server = Server(session, Gate("127.0.0.1"), 0)
-    server.start()
-    session.start()
+def unread(server):
+    """A client whose system takes little of what it does not read."""
     small = socket.socket()
     small.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
     small.connect(("127.0.0.1", server.port))
-    slow = opened(server, max_queue=1, sock=small, close_timeout=0.2)
-    deadline = time.monotonic() + 60.0
-    while not server.skipped and time.monotonic() < deadline:
+    return opened(server, max_queue=1, sock=small, close_timeout=0.2)
+
+
+def test_answers_that_nobody_reads_do_not_pile_up_nor_delay_the_end(session):
+    """Edits are not taken from who does not read their answers, 20 kB each."""
+    server = Server(session, Gate("127.0.0.1"), 0)
+    server.start()
+    session.start()
+    live, ended = unread(server), threading.Event()
+    mass = {"action": "mass", "name": "nothing", "value": 1.0}
+
+    def flood():
+        with contextlib.suppress(ConnectionClosed):
+            while not ended.is_set():
+                live.send(json.dumps({"type": "edit", "id": 20_000 * "x", "edit": mass}))
+
+    flooding = threading.Thread(target=flood, daemon=True)
+    flooding.start()
+    most, deadline = 0, time.monotonic() + 1.5
+    while time.monotonic() < deadline:
+        for client in list(server._clients.values()):
+            most = max(most, client.connection.transport.get_write_buffer_size())
         time.sleep(0.01)
     begun = time.monotonic()
+    session.stop()
     server.stop()
-    assert time.monotonic() - begun < 10.0  # a second; without a bound 14 to 17 seconds
-    slow.close()
+    assert 50_000 < most < 500_000
+    assert time.monotonic() - begun < 4.0  # else until a sign of life is missed: 20 s and more
+    ended.set()
+    flooding.join(10.0)
+    live.close()
+
+
+def test_who_reads_slowly_learns_of_the_scene_later(server, session, monkeypatch):
+    from halfphysics.live.clients import Client
+
+    slow = [True]
+    monkeypatch.setattr(Client, "is_slow", property(lambda client: slow[0]))
+    with opened(server) as live:
+        until(live, "hello")
+        session.edit(schema.Mass("ball", 2.0), lambda reason: None)
+        deadline = time.monotonic() + 20.0
+        while not session.edited and time.monotonic() < deadline:
+            time.sleep(0.01)
+        time.sleep(0.1)
+        slow[0] = False
+        assert until(live, "scene")["objects"][0]["mass"] == 2.0
+
+
+def test_those_who_do_not_read_the_first_message_are_counted(server, monkeypatch):
+    monkeypatch.setattr(module, "MOST_CLIENTS", 1)
+    waiting = threading.Event()
+
+    async def never(client, message):
+        waiting.set()
+        await client.connection.wait_closed()
+
+    monkeypatch.setattr("halfphysics.live.clients.Client.send", never)
+    with opened(server, close_timeout=0.1):
+        assert waiting.wait(20.0)
+        with pytest.raises(InvalidStatus, match="503"):
+            opened(server)
 
 
 def test_floods_are_slowed(server, monkeypatch):

@@ -105,6 +105,24 @@ def test_edits_are_answered(session):
     assert session.edited == 1
 
 
+@pytest.mark.parametrize(
+    "edit",
+    [
+        schema.Add("huge", "sphere:1e300", 1.0, (0.0, 5.0, 1.0)),
+        schema.Add("flat", "box:1e-12:1e-12:1e-12", 1.0, (0.0, 5.0, 1.0)),
+        schema.Mass("ball", 1e-300),
+    ],
+)
+def test_an_edit_that_cannot_be_simulated_is_answered_and_costs_no_step(session, edit):
+    answers = []
+    session.edit(edit, answers.append)
+    session.edit(schema.Mass("ball", 2.0), answers.append)
+    assert session.step().frame == 1
+    assert isinstance(answers[0], str)
+    assert answers[1:] == [None]
+    assert set(session.simulator.world.scene.objects) == {"ball"}
+
+
 def test_too_many_edits_are_refused_not_queued(session):
     answers = []
     for _ in range(300):

@@ -342,6 +342,19 @@ def test_mistakes_say_what_was_expected():
     alone = spec_of().compile()
     with pytest.raises(InputError, match="no person with prefix"):
         human.bind(alone, mujoco.MjData(alone))
+    # The core would write beyond the end of data of a smaller model.
+    with pytest.raises(InputError, match="data is of another model"):
+        human.bind(model, mujoco.MjData(alone))
+    with pytest.raises(InputError, match=r"expected a mujoco\.MjModel and its"):
+        human.bind(model, None)
+    with pytest.raises(InputError, match="at most 1e"):
+        control.step(t_pose(), dt=1e9)
+    model.opt.timestep = 0.0
+    with pytest.raises(InputError, match="timestep is 0 s, expected one above 0"):
+        control.step(t_pose(), dt=0.1)
+    for wrong in ("", "a\0", 3):
+        with pytest.raises(InputError, match="prefix: found"):
+            hp.attach(spec_of(), prefix=wrong)
 
 
 def test_a_mocap_body_that_collides_is_refused():

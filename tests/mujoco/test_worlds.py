@@ -84,6 +84,12 @@ def test_mistakes_leave_all_worlds_as_they_are():
         hp.step_worlds([first, second], [pose, "upright"])
     with pytest.raises(InputError, match="dt: found 0"):
         hp.step_worlds([first, second], [pose, pose], 0.0)
+    mujoco.set_mjcb_control(lambda model, data: None)  # one after the other
+    try:
+        with pytest.raises(InputError, match=r"expected a halfphysics\.Pose"):
+            hp.step_worlds([first, second], [pose, "upright"])
+    finally:
+        mujoco.set_mjcb_control(None)
     assert data.time == 0.0
     hp.step_worlds([], [])
     hp.step_worlds([first, second], [pose, [pose]])

@@ -9,6 +9,7 @@ import pytest
 import halfphysics as hp
 from halfphysics import scenarios
 from halfphysics.base import rotations as rot
+from halfphysics.errors import InputError
 from halfphysics.simulation.compiled_model import (
     armature_of,
     compile_model,
@@ -110,9 +111,9 @@ def test_a_name_that_is_not_there():
 
 def test_what_mujoco_refuses_stays_refused():
     flat = np.diag([1e-16, 1e-3, 1e-3])
-    with pytest.raises(ValueError, match="inertia"):
+    with pytest.raises(InputError, match="inertia"):
         object_inertia(1.0, flat.tobytes())
-    with pytest.raises(ValueError, match="inertia"):
+    with pytest.raises(InputError, match="inertia"):
         object_inertia(1.0, np.diag([1.0, 1.0, 3.0]).tobytes())
 
 

@@ -40,11 +40,7 @@ class FloorPlan:
 
     def __init__(self, scene: Scene | None) -> None:
         statics = () if scene is None else scene.statics.values()
-        fixed = [
-            _placed(surface_points(*static.shape.triangles()), static.position, static.quaternion)
-            for static in statics
-            if not isinstance(static.shape, Plane)
-        ]
+        fixed = [_standing(static) for static in statics if not isinstance(static.shape, Plane)]
         self._tree = _tree(_in_the_way(fixed))
         objects: Mapping[str, Any] = {} if scene is None else scene.objects
         self._objects = {
@@ -90,6 +86,17 @@ def surface_points(vertices: Array, faces: NDArray[np.int32]) -> Array:
         weights = np.stack([1.0 - a - b, a, b], axis=1)
         points.append(np.einsum("kw,twx->tkx", weights, corners[parts == count]).reshape(-1, 3))
     return np.concatenate(points) if points else np.zeros((0, 3))
+
+
+def _standing(static: Any) -> Array:
+    """Points (n, 3) on a static's triangles; of those above and below people, such as a floor of a
+    hundred metres, none."""
+    vertices, faces = static.shape.triangles()[:2]
+    placed = _placed(np.asarray(vertices, dtype=np.float64), static.position, static.quaternion)
+    heights = placed[faces][:, :, 2]
+    return surface_points(
+        placed, faces[(heights.max(axis=1) > _LOW) & (heights.min(axis=1) < _HIGH)]
+    )
 
 
 def _placed(points: Array, position: Array, quaternion: Array) -> Array:

@@ -5,7 +5,11 @@ A goal is a value: it can be given to many persons, many times. `task` begins it
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Protocol
+
+from halfphysics.base.validation import shown
+from halfphysics.errors import InputError
 
 if TYPE_CHECKING:
     from halfphysics.actors.person import Person
@@ -29,3 +33,16 @@ class Goal(Protocol):
     def task(self) -> Task:
         """Begin it."""
         ...
+
+
+def checked_goals(goals: object) -> tuple[Goal, ...]:
+    """Goals as a tuple.
+
+    Raises:
+        InputError: Something else, such as the class of a goal.
+    """
+    given = tuple(goals) if isinstance(goals, Iterable) else (goals,)
+    for goal in given:
+        if isinstance(goal, type) or not callable(getattr(goal, "task", None)):
+            raise InputError(f"goals: expected goals such as WalkTo((1, 0)), found {shown(goal)}")
+    return given

@@ -14,6 +14,7 @@ from halfphysics.actors.figure import Figure
 from halfphysics.actors.floor_plan import FloorPlan
 from halfphysics.actors.foot import Foothold
 from halfphysics.actors.footprints import feet_of
+from halfphysics.actors.goals import checked_goals
 from halfphysics.actors.limbs import vec
 from halfphysics.actors.path import Point
 from halfphysics.actors.poise import Poise
@@ -40,6 +41,8 @@ Target: TypeAlias = "tuple[float, float, float] | str | int"
 _HEAD = 0.72
 # A palm this near to its point is there [m].
 _REACHED = 0.01
+# It does not walk farther than this [m].
+_FARTHEST = 10_000.0
 # An arm with less than this of its way to a point is near the body.
 _NEAR = 0.25
 
@@ -75,7 +78,7 @@ class Person:
         heading = number(heading, "Person: heading", unit="rad")
         self.body = body
         self._start = Foothold(float(x), float(y), heading)
-        self._first_goals = tuple(goals)
+        self._first_goals = checked_goals(goals)
         self._walker = Walker(body)
         self._way = Way(self._walker, FloorPlan(scene))
         self._poise = Poise(body, Figure(body, self._walker))
@@ -107,7 +110,14 @@ class Person:
         return self._pose
 
     def next(self, dt: float, seen: Seen) -> Pose:
-        """The reference `dt` [s] later."""
+        """The reference `dt` [s] later.
+
+        Raises:
+            InputError: An impossible `dt`; a goal of what it does not see.
+        """
+        number(dt, "Person.next: dt", above=0.0, unit="s")
+        if not isinstance(seen, Seen):
+            raise InputError(f"Person.next: expected what it sees (Seen), found {shown(seen)}")
         self.seen, self.dt = seen, dt
         self.time += dt
         self._do_goals()
@@ -133,12 +143,13 @@ class Person:
 
     def do(self, *goals: Goal) -> None:
         """Do these goals now, one after the other, in place of all others."""
+        checked = checked_goals(goals)
         self._end_task()
-        self._goals = deque(goals)
+        self._goals = deque(checked)
 
     def then(self, *goals: Goal) -> None:
         """Do these goals after all others."""
-        self._goals.extend(goals)
+        self._goals.extend(checked_goals(goals))
 
     @property
     def goals(self) -> tuple[Goal, ...]:
@@ -243,7 +254,16 @@ class Person:
     # -- What goals ask for
 
     def walk(self, to: Point, heading: float | None, speed: float) -> None:
-        """Walk to a place from the next step on, after standing up."""
+        """Walk to a place from the next step on, after standing up.
+
+        Raises:
+            InputError: It is farther away than anybody walks.
+        """
+        if not math.dist(to, self.place) < _FARTHEST:
+            raise InputError(
+                f"Person: found a place {math.dist(to, self.place):g} m away to walk to, expected "
+                f"one within {_FARTHEST:g} m"
+            )
         self._way.go(to, heading, speed)
 
     def stop(self) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from halfphysics.actors.actor import Actor
 from halfphysics.actors.seen import Seen
-from halfphysics.base.validation import number, shown
+from halfphysics.base.validation import is_whole, number, shown
 from halfphysics.errors import InputError
 from halfphysics.motion.motion import MODELS, Motion
 from halfphysics.settings import Settings
@@ -98,7 +98,11 @@ def play(
     cast = list(actors) if isinstance(actors, Sequence) else [actors]
     if not cast or not all(isinstance(actor, Actor) for actor in cast):
         raise InputError(f"play: expected actors, with reset and next; found {shown(actors)}")
+    if len({id(actor) for actor in cast}) < len(cast):
+        raise InputError("play: found one actor twice, expected one for each person")
     number(seconds, "play: seconds", above=0.0, unit="s")
+    if not is_whole(seed, least=0, plain=False):
+        raise InputError(f"play: expected a seed of at least 0, found {shown(seed)}")
     if body is None:
         body = _bodies(cast)
     sim = _Recorded(scene, body=body, settings=settings or SETTINGS, fps=fps)

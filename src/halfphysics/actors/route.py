@@ -26,17 +26,27 @@ _MARGINS = (2.5, 8.0)
 _ENDS = 0.6
 # What a metre costs at the least distance, and beyond it near the ends.
 _TIGHT, _BEYOND = 4.0, 12.0
+# How far ahead a way is looked for [m]: from there on it goes straight on.
+_FORESEEN = 50.0
 _SIDES = [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)]
 
 
 def route(plan: FloorPlan, start: Point, end: Point, moving: Array) -> Path | None:
     """A way around what is in between; None: there is none.
 
+    Of an end that is far away only the first 50 m are looked for.
+
     Args:
         plan: What stands there.
         start, end: Where from and where to.
         moving: More points in the way (n, 2) [m], as `FloorPlan.moving` has them.
     """
+    way = math.dist(start, end)
+    if way > _FORESEEN * (1.0 + 1e-9):
+        share = _FORESEEN / way
+        near = Point(start.x + share * (end.x - start.x), start.y + share * (end.y - start.y))
+        first = route(plan, start, near, moving)
+        return None if first is None else Path([*first.points, end])
     if _clear(plan, moving, start, end):
         return Path([start, end])
     for margin in _MARGINS:

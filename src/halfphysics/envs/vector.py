@@ -90,10 +90,10 @@ class VectorEnv(_Env):  # type: ignore[misc]
         Raises:
             InputError: Seeds or a mask of another length, other options.
         """
+        mask, seeds = self._mask(options), self._seeds(seed)
         if isinstance(seed, int | np.integer):
             super().reset(seed=int(seed))
-        mask = self._mask(options)
-        for i, s in enumerate(self._seeds(seed)):
+        for i, s in enumerate(seeds):
             if mask[i]:
                 if s is not None:
                     self.task.seed(i, s)
@@ -169,10 +169,11 @@ class VectorEnv(_Env):  # type: ignore[misc]
     def _seeds(self, seed: Any) -> list[int | None]:
         if seed is None:
             return [None] * self.num_envs
-        if is_whole(seed, least=0):
+        if is_whole(seed, least=0, plain=False):
             return [int(seed) + i for i in range(self.num_envs)]
         seeds = list(seed) if isinstance(seed, Sequence | np.ndarray) else []
-        if len(seeds) != self.num_envs:
+        fine = all(s is None or is_whole(s, least=0, plain=False) for s in seeds)
+        if len(seeds) != self.num_envs or not fine:
             raise InputError(
                 f"seed: found {shown(seed)}, expected a whole number from 0 on, or "
                 f"{self.num_envs} of them"

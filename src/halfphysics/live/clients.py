@@ -7,6 +7,7 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 from websockets.exceptions import ConnectionClosed
+from websockets.protocol import State
 
 from halfphysics.errors import InputError
 from halfphysics.live import schema
@@ -18,6 +19,11 @@ if TYPE_CHECKING:
 
     from halfphysics.live.incoming import Outgoing
     from halfphysics.live.session import Session
+
+#: Edits of one client whose answers were not sent yet; it is not read from until there are fewer.
+_OWED = 16
+#: How often it is looked for that [s].
+_LOOK = 0.005
 
 logger = logging.getLogger(__name__)
 
@@ -36,7 +42,7 @@ class Client:
         wanted: What it wants of frames.
         drives: It has sent a pose.
         budget: What it may send.
-        edited: `Session.edited` of the scene that it knows.
+        edited: The number of changes of the scene's items that it was told of.
     """
 
     def __init__(
@@ -51,8 +57,9 @@ class Client:
         self.wanted = Subscription()
         self.drives = False
         self.budget = Budget()
-        self.edited = session.edited
         self._session, self._loop = session, loop
+        self.edited = session.edited
+        self._owed = 0  # answers to edits
         self._next = 0.0  # time of the next frame, where it wants fewer
         self._busy: frozenset[str] = frozenset()  # people whom somebody else drives
 
@@ -87,6 +94,8 @@ class Client:
             case schema.PoseMessage():
                 return await self._poses(message)
             case schema.Edit(edit=action, id=key):
+                await self._reads()
+                self._owed += 1
                 self._session.edit(action, self._answer(key), self.source)
             case schema.Subscribe(id=key):
                 self.wanted, self._next = Subscription.of(message), 0.0
@@ -143,8 +152,15 @@ class Client:
 
         return answer
 
+    async def _reads(self) -> None:
+        """Return when the client has read most of its answers, so that they do not pile up."""
+        while self._owed >= _OWED and self.connection.protocol.state is State.OPEN:
+            await asyncio.sleep(_LOOK)
+
     async def _quietly(self, message: Any) -> None:
         try:
             await self.send(message)
         except ConnectionClosed:
             logger.debug("client %s left before its answer", self.source)
+        finally:
+            self._owed -= 1

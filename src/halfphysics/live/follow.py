@@ -97,7 +97,9 @@ class Follower:
         goal = self._completed(arrived)
         passed = max(gap, self._dt)
         if arrived.time is not None and self._time is not None:
-            passed = max(passed, arrived.time - self._time)
+            # Poses that were held up on their way come together. Who was away longer than they
+            # can be is lost; a clock that counts milliseconds, or lies, lets nobody jump farther.
+            passed = max(passed, min(arrived.time - self._time, HOLD_AFTER))
         again = self.tracking != "live"
         jumped = again or _fast(self._goal, goal, passed)
         steps = 1 if jumped else max(1, round(min(interval, HOLD_AFTER) / self._dt))

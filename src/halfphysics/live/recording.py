@@ -65,7 +65,7 @@ class Recorder:
         self._frames: queue.Queue[tuple[Outgoing, Scene] | None] = queue.Queue(_WAITING)
         self._scene: Scene | None = None
         try:
-            self._file = self.partial.open("xb")
+            self._file = self.partial.open("xb", buffering=0)
         except FileExistsError:
             raise FileError(
                 f"{self.partial}: found an earlier recording that was not finished. Read it with "
@@ -73,9 +73,14 @@ class Recorder:
             ) from None
         except OSError as error:
             raise FileError(f"{self.partial}: cannot write: {error.strerror}") from None
-        self._file.write(unfinished.MAGIC)
-        unfinished.write_document(self._file, unfinished.HEAD, _head(simulator))
-        self._file.flush()
+        try:
+            self._file.write(unfinished.MAGIC)
+            unfinished.write_document(self._file, unfinished.HEAD, _head(simulator))
+        except OSError as error:
+            self._file.close()
+            self.partial.unlink(missing_ok=True)
+            raise FileError(f"{self.partial}: cannot write: {error.strerror}") from None
+        self._written = False  # some frames
         self._thread = threading.Thread(target=self._run, name="halfphysics-record", daemon=True)
         self._thread.start()
 
@@ -89,11 +94,15 @@ class Recorder:
     def close(self) -> None:
         """Write the result file and remove the unfinished one.
 
-        If there are fewer than two frames, or it cannot be written, the unfinished file stays.
+        If there is one frame only, or it cannot be written, the unfinished file stays; one without
+        frames, of a session that did not start, is removed: it would stop the next one.
         """
         self._frames.put(None)
         self._thread.join()
         self._file.close()
+        if not self._written:
+            self.partial.unlink(missing_ok=True)
+            return
         try:
             unfinished.load_unfinished(self.partial).save(self.path)
         except HalfPhysicsError as error:
@@ -107,18 +116,35 @@ class Recorder:
         ended = False
         while not ended:
             frames, ended = self._gathered()
+            end = self._file.tell()
             try:
-                for scene, some in _by_scene(frames):
-                    if scene is not self._scene:
-                        document = dict(SceneRecord.of(scene).document)
-                        unfinished.write_document(self._file, unfinished.SCENE, document)
-                        self._scene = scene
-                    unfinished.write_frames(self._file, _fields(some))
-                self._file.flush()
-                os.fsync(self._file.fileno())
+                self._append(frames)
             except OSError as error:
                 logger.warning("%s: cannot write: %s", self.partial, error.strerror)
-                self.left_out += len(frames)
+                self._leave_out(frames, end)
+            except Exception:  # a fault of ours: what comes later is recorded all the same
+                logger.exception("%s: frames cannot be recorded", self.partial)
+                self._leave_out(frames, end)
+
+    def _append(self, frames: list[tuple[Outgoing, Scene]]) -> None:
+        for scene, some in _by_scene(frames):
+            if scene is not self._scene:
+                document = dict(SceneRecord.of(scene).document)
+                unfinished.write_document(self._file, unfinished.SCENE, document)
+                self._scene = scene
+            unfinished.write_frames(self._file, _fields(some))
+        os.fsync(self._file.fileno())
+        self._written = self._written or bool(frames)
+
+    def _leave_out(self, frames: list[tuple[Outgoing, Scene]], end: int) -> None:
+        """Take away what was written of them: nothing is read behind a block that is cut off."""
+        self.left_out += len(frames)
+        self._scene = None
+        try:
+            self._file.seek(end)
+            self._file.truncate()
+        except OSError as error:
+            logger.warning("%s: cannot write: %s", self.partial, error.strerror)
 
     def _gathered(self) -> tuple[list[tuple[Outgoing, Scene]], bool]:
         """The frames of the next block, and whether there are no more."""

@@ -101,16 +101,21 @@ class Gate:
     def _welcome(self, origin: str, host: str) -> bool:
         if "*" in self.origins or origin in self.origins:
             return True
-        parts = urlsplit(origin)
+        try:
+            parts = urlsplit(origin)
+        except ValueError:  # such as http://[
+            return False
         return parts.scheme in ("http", "https") and parts.netloc.lower() == host.lower()
 
     def _knows(self, path: str, headers: Mapping[str, str]) -> bool:
-        given = parse_qs(urlsplit(path).query).get("token", [])
+        given = parse_qs(path.partition("#")[0].partition("?")[2]).get("token", [])
         scheme, _, bearer = (_only(headers, "Authorization") or "").partition(" ")
         if scheme.lower() == "bearer":
             given.append(bearer.strip())
         wanted = (self.token or "").encode()
-        return any(hmac.compare_digest(one.encode(), wanted) for one in given)
+        # Bytes that are no ASCII come as lone surrogates, which UTF-8 does not have.
+        sent = [one.encode(errors="surrogateescape") for one in given]
+        return any(hmac.compare_digest(one, wanted) for one in sent)
 
 
 class Budget:

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 
 from websockets.asyncio.server import ServerConnection, broadcast, serve
 from websockets.exceptions import ConnectionClosed
-from websockets.protocol import State
 
 from halfphysics.errors import FileError, InputError
 from halfphysics.live import schema
@@ -65,6 +64,7 @@ class Server:
         self.skipped = self.errors = 0
         self._clients: dict[ServerConnection, Client] = {}
         self._opened = 0
+        self._open: set[ServerConnection] = set()  # those too that have not read the first message
         self._newest: Outgoing | None = None
         self._handing = threading.Lock()
         self._loop: asyncio.AbstractEventLoop
@@ -135,13 +135,16 @@ class Server:
         ):
             ready.set()
             await self._ending.wait()
-            # A client that reads nothing takes no closing frame either.
-            for connection in self._clients:
-                self._loop.call_later(_CLOSING, connection.transport.abort)
+            # A closing frame waits behind all that a client does not read, without a timeout.
+            self._loop.call_later(_CLOSING, self._cut_off)
+
+    def _cut_off(self) -> None:
+        for connection in self._open:
+            connection.transport.abort()
 
     def _check(self, connection: ServerConnection, request: Request) -> Response | None:
         refusal = self._gate.refusal(request.path, request.headers)
-        if refusal is None and len(self._clients) >= MOST_CLIENTS:
+        if refusal is None and len(self._open) >= MOST_CLIENTS:
             refusal = Refusal(503, f"found {MOST_CLIENTS} clients, expected fewer. Try again later")
         if refusal is not None:
             return connection.respond(http.HTTPStatus(refusal.status), refusal.reason + "\n")
@@ -165,6 +168,7 @@ class Server:
 
     async def _serve(self, connection: ServerConnection) -> None:
         self._opened += 1
+        self._open.add(connection)
         # A frame is sent when it is there, not when the one before it was acknowledged (Nagle).
         own: socket.socket = connection.transport.get_extra_info("socket")
         own.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -184,6 +188,7 @@ class Server:
         except ConnectionClosed:
             pass
         finally:
+            self._open.discard(connection)
             self._clients.pop(connection, None)
             self._session.leave(client.source)
 
@@ -242,17 +247,18 @@ class Server:
             broadcast([c.connection for c in group], encoded[key], text=not group[0].binary)
 
     def _send_scene(self) -> None:
-        """Send statics and objects to those who know older ones; to slow ones once they keep up."""
+        """Tell whoever does not know yet what is in the scene; who is slow, when it has read."""
         edited = self._session.edited
         behind = [c for c in self._clients.values() if c.edited != edited and not c.is_slow]
         if not behind:
             return
         message = schema.SceneMessage(*scene_items(self._session.simulator.world.scene))
-        for client in behind:
-            if client.connection.protocol.state is State.OPEN:
+        for binary in {client.binary for client in behind}:
+            some = [client for client in behind if client.binary == binary]
+            data = schema.encode(message, binary)
+            broadcast([client.connection for client in some], data, text=not binary)
+            for client in some:
                 client.edited = edited
-                data = schema.encode(message, client.binary)
-                broadcast([client.connection], data, text=not client.binary)
 
 
 def _protocol(connection: ServerConnection, offered: Any) -> Any:

@@ -239,6 +239,9 @@ class Session:
                 self.edited += self._editor.do(asked.action, asked.source)
             except HalfPhysicsError as error:
                 asked.answer(str(error))
+            except Exception as error:  # a fault of ours: no edit may cost a step, or its answer
+                logger.warning("an edit failed: %s: %s", type(error).__name__, error)
+                asked.answer(f"edit: found {asked.action!r}, which cannot be simulated: {error}")
             else:
                 asked.answer(None)
 

@@ -30,7 +30,8 @@ def attach(spec: Any, body: Body | None = None, prefix: str = "human/") -> Human
         prefix: Prefix of the names of bodies, meshes and geoms; each person needs their own.
 
     Raises:
-        InputError: `spec` is no MjSpec or has bodies of that prefix already.
+        InputError: `spec` is no MjSpec or has bodies of that prefix already; a prefix that is
+            empty or cannot be printed.
     """
     import mujoco
 
@@ -45,6 +46,8 @@ def attach(spec: Any, body: Body | None = None, prefix: str = "human/") -> Human
         body = Body.default()
     if not isinstance(body, Body):
         raise InputError(f"attach: body: found {body!r}, expected a halfphysics.Body")
+    if not isinstance(prefix, str) or not prefix or not prefix.isprintable():
+        raise InputError(f"attach: prefix: found {prefix!r}, expected text such as 'human/'")
     if any(b.name.startswith(prefix) for b in spec.bodies):
         raise InputError(
             f"attach: the spec has bodies named {prefix}... already; give another prefix"

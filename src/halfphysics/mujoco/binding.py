@@ -28,7 +28,8 @@ def bind(
             a timestep of the model), friction is that of the geoms.
 
     Raises:
-        InputError: Nobody, somebody twice, another model, or geoms that cannot be touched.
+        InputError: Nobody, somebody twice, another model, data of another model, or geoms that
+            cannot be touched.
     """
     return bound(model, data, several(humans), settings)
 
@@ -38,6 +39,7 @@ def bound(model: Any, data: Any, humans: Sequence[Human], settings: Settings | N
     settings = Settings() if settings is None else settings
     _check_settings(settings)
     _check_humans(humans)
+    _check_world(model, data)
     if model.opt.timestep > LONGEST_STEP + 1e-12:
         warnings.warn(
             f"bind: the model's timestep is {model.opt.timestep:g} s; the drive wants at most "
@@ -56,6 +58,21 @@ def _check_settings(settings: Settings) -> None:
         raise InputError(
             f"bind: found the baseline {type(settings).__name__}; in a MuJoCo world of one's "
             "own a person is driven. Expected other settings, or use halfphysics.Simulator"
+        )
+
+
+def _check_world(model: Any, data: Any) -> None:
+    """Refuse what is no world of MuJoCo: the core writes into the data by the model's sizes."""
+    import mujoco
+
+    if not isinstance(model, mujoco.MjModel) or not isinstance(data, mujoco.MjData):
+        raise InputError(
+            f"bind: found {type(model).__name__} and {type(data).__name__}, expected a "
+            "mujoco.MjModel and its mujoco.MjData"
+        )
+    if data.signature != model.signature:
+        raise InputError(
+            "bind: the data is of another model; expected mujoco.MjData(model) of this one"
         )
 
 

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _WHOLE = 1e-6  # relative tolerance for a step to be a whole number of timesteps
+_MOST = 1e6  # timesteps of one step
 _FORCES = 13  # numbers of one of the core's forces among the host's
 
 
@@ -112,7 +113,8 @@ class Control(Bound):
                 with the default timestep of 2 ms.
 
         Raises:
-            InputError: Before `reset`, for another number of poses, or an impossible `dt`.
+            InputError: Before `reset`, for another number of poses, or an impossible `dt`; then
+                nothing has changed.
         """
         h = self._aim(pose, dt)
         try:
@@ -235,10 +237,8 @@ class Control(Bound):
 
     def _aim(self, pose: Pose | Sequence[Pose], dt: float | None) -> float:
         """Everything before the timesteps of a step; returns their length [s]."""
-        if not self._started:
-            raise InputError("step: the person has no pose yet; call reset(pose) first")
         count, h = self._steps(dt)
-        poses = self._checked(pose)
+        poses = self._ready(pose)
         self._tensed = any(p.stiffness_scale is not None for p in poses)
         if self._tensed:
             scales = [1.0 if p.stiffness_scale is None else p.stiffness_scale for p in poses]
@@ -247,6 +247,12 @@ class Control(Bound):
         self._world.aim(self._targets(poses), count, h)
         self._count, self._timestep = count, h
         return h
+
+    def _ready(self, pose: Pose | Sequence[Pose]) -> list[Pose]:
+        """The poses of a step, which can be made."""
+        if not self._started:
+            raise InputError("step: the person has no pose yet; call reset(pose) first")
+        return self._checked(pose)
 
     def _run(self) -> None:
         """The timesteps: by the core, or by Python where MuJoCo calls back into it."""
@@ -311,10 +317,19 @@ class Control(Bound):
     def _steps(self, dt: float | None) -> tuple[int, float]:
         """Number of timesteps of a step, and their length [s]."""
         longest = float(self._model.opt.timestep)
+        if not (math.isfinite(longest) and longest > 0.0):
+            raise InputError(
+                f"step: the model's timestep is {longest:g} s, expected one above 0 "
+                "(model.opt.timestep)"
+            )
         if dt is None:
             return 1, longest
         if not isinstance(dt, Real) or not np.isfinite(dt) or dt <= 0.0:
             raise InputError(f"step: dt: found {dt!r}, expected a time above 0 [s]")
+        if float(dt) / longest > _MOST:
+            raise InputError(
+                f"step: dt: found {dt:g} s, expected at most {_MOST:g} timesteps of {longest:g} s"
+            )
         count = max(1, math.ceil(float(dt) / longest * (1.0 - _WHOLE)))
         # A whole number of timesteps keeps their length to the last bit.
         whole = abs(count * longest - dt) <= _WHOLE * dt

@@ -42,6 +42,8 @@ def step_worlds(
 
     _check(controls, poses, threads)
     steps = [control._steps(dt) for control in controls]
+    for control, pose in zip(controls, poses, strict=True):
+        control._ready(pose)
     if engine.watched() or not all(control._alone for control in controls):
         for control, pose in zip(controls, poses, strict=True):
             control.step(pose, dt)

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.body.mjcf_person import UPRIGHT, principal
+from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS, PARENTS
 from halfphysics.scene.trajectories import KinematicObject
 from halfphysics.simulation.compiled_model import compiled_inertia
@@ -346,12 +347,18 @@ def object_inertia(mass: float, inertia: bytes) -> tuple[Array, Array]:
         inertia: The bytes of its inertia (3, 3) [kg m^2].
 
     Raises:
-        ValueError: MuJoCo refuses them.
+        InputError: MuJoCo refuses them: too small or too large, or no solid has them.
     """
     matrix = np.frombuffer(inertia).reshape(3, 3)
     moments, turn = principal(matrix)
     if not acceptable(mass, moments):
-        moments, turn = compiled_inertia(mass, matrix)  # its words for what is wrong
+        try:
+            moments, turn = compiled_inertia(mass, matrix)  # its words for what is wrong
+        except ValueError as error:
+            raise InputError(
+                f"an object: found a mass of {mass:g} kg with moments of {moments} kg m^2, "
+                f"expected those of a solid: {str(error).splitlines()[0]}. Change its size or mass"
+            ) from None
     moments.setflags(write=False)
     turn.setflags(write=False)
     return moments, turn

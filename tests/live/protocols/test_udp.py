@@ -140,8 +140,9 @@ def test_a_sender_whom_nobody_hears_goes_on():
         sender.send(None)
     sender.stop()
     assert sender.sent + sender.dropped == 100
-    with pytest.raises(InputError, match="host is not found"):
-        UdpSender(Endpoint("vmc", "no.such.host.invalid", 1), Words())
+    for host in ("no.such.host.invalid", 70 * "a"):
+        with pytest.raises(InputError, match="host is not found"):
+            UdpSender(Endpoint("vmc", host, 1), Words())
 
 
 @settings(max_examples=100)

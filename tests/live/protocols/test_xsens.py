@@ -120,6 +120,13 @@ def test_props_are_passed_over_and_hands_found_behind_them():
     assert fingers == [JOINT_INDEX["left_thumb2"]]
 
 
+def test_a_segment_of_number_0_is_none():
+    """Numbers are from 1; a 0 is not the last finger."""
+    rows = [*standing(), (0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0)]
+    (found,) = XsensDecoder(PERSON, BODY).decode(datagram(rows), 0.0)
+    assert not found.tracked[JOINTS[-1]]
+
+
 def test_one_character_is_taken():
     decoder = XsensDecoder(PERSON, BODY)
     assert decoder.decode(datagram(standing(), character=3), 0.0)

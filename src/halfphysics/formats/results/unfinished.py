@@ -68,7 +68,9 @@ def write_frames(file: BinaryIO, fields: Fields) -> None:
 
 
 def _write(file: BinaryIO, kind: bytes, payload: bytes) -> None:
-    file.write(_BLOCK.pack(kind, len(payload), zlib.crc32(payload)) + payload)
+    block = memoryview(_BLOCK.pack(kind, len(payload), zlib.crc32(payload)) + payload)
+    while block:  # a file without a buffer may take a part only
+        block = block[file.write(block) :]
 
 
 def load_unfinished(path: Path) -> Result:

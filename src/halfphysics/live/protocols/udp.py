@@ -85,10 +85,11 @@ class UdpReceiver:
         opened = socket.socket(family, socket.SOCK_DGRAM)
         try:
             opened.bind((where.host, where.port))
-        except OSError as error:
+        except (OSError, UnicodeError) as error:  # UnicodeError: a name that no host can have
             opened.close()
+            said = getattr(error, "strerror", None) or error
             raise InputError(
-                f"{where}: cannot listen there ({error.strerror or error}). Is another program "
+                f"{where}: cannot listen there ({said}). Is another program "
                 f"listening on port {where.port}? End it, or choose another port"
             ) from None
         opened.settimeout(_PATIENCE)
@@ -185,10 +186,10 @@ class UdpSender:
     def __init__(self, endpoint: Endpoint, encoder: Encoder) -> None:
         try:
             found = socket.getaddrinfo(endpoint.host, endpoint.port, type=socket.SOCK_DGRAM)
-        except OSError as error:
+        except (OSError, UnicodeError) as error:  # UnicodeError: a name that no host can have
+            said = getattr(error, "strerror", None) or error
             raise InputError(
-                f"{endpoint}: the host is not found ({error.strerror or error}). Give its name or "
-                "its IP address"
+                f"{endpoint}: the host is not found ({said}). Give its name or its IP address"
             ) from None
         family, kind, _, _, address = found[0]
         self._address: Any = address

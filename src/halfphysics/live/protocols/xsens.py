@@ -179,7 +179,7 @@ class XsensDecoder:
         index = rows[:, 0].astype(int) - 1
         is_hand = index >= N_BODY + props
         index = np.where(is_hand, index - props, index)
-        known = (index < len(JOINTS)) & (is_hand | (index < N_BODY))
+        known = (index >= 0) & (index < len(JOINTS)) & (is_hand | (index < N_BODY))
         index, rows = index[known], rows[known]
         self._world[index] = rot.normalize(rows[:, 4:])
         self._places[index] = rows[:, 1:4]

@@ -50,6 +50,8 @@ SETTINGS = {
     "setup": 1,
     "clip": 1,
     "batch": 2,
+    "hosted": 2,
+    "hosted-worlds": 2,
     "envs": 6,
     "instructions": 0,  # no valgrind, test_instructions.py
     "metrics": 4,
@@ -63,6 +65,7 @@ SWEEPS = {"sweep", "sweep-parts", "sweep-memory"}
 WHOLE = {"setup", "clip", "batch"}
 ALONE = {
     "envs",
+    "hosted-worlds",
     "tree",
     "metrics",
     "viewer",
@@ -71,7 +74,11 @@ ALONE = {
     *SWEEPS,
 }  # no parts beside the skin
 PRESSED = ("grasp", "lift", "glass", "sofa", "lean", "settle")
-WITH_PEER = {"free", "live", "stepper", "wall", "near", "sweep", "sweep-parts", *WHOLE, *PRESSED}
+WITH_PEER = {
+    *("free", "live", "stepper", "wall", "near", "sweep", "sweep-parts", "hosted", "hosted-worlds"),
+    *WHOLE,
+    *PRESSED,
+}
 
 
 @pytest.fixture(scope="module")

@@ -3,6 +3,8 @@
 
 NB_MODULE(_native, m) {
   m.doc() = "Native core of halfphysics.";
+  // What a cache or a thread holds when the interpreter ends is no leak to tell a user of.
+  nb::set_leak_warnings(false);
   bind_tuning(m);
   bind_physics(m);
   bind_skinning(m);

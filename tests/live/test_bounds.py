@@ -122,6 +122,18 @@ def test_a_client_does_not_stop_the_session_by_overlapping_boxes(scene):
     assert time.process_time() - begun < 10 * 0.1
 
 
+def test_what_clients_added_is_counted(session):
+    for k in range(bounds.MOST_ADDED):
+        session._editor.do(add(f"box{k}", position=(5.0 + 0.5 * (k % 8), 0.5 * (k // 8), 1.0)), "a")
+    with pytest.raises(InputError, match="40 objects that clients added"):
+        session._editor.do(add("more", position=(5.0, -5.0, 1.0)), "another")
+    session._editor.do(schema.Remove("ball"), "a")  # the scene's own
+    with pytest.raises(InputError, match="40 objects that clients added"):
+        session._editor.do(add("more", position=(5.0, -5.0, 1.0)), "a")
+    session._editor.do(schema.Remove("box7"), "a")
+    session._editor.do(add("more", position=(5.0, -5.0, 1.0)), "a")
+
+
 def test_clients_are_told():
     said = schema.hello(server="s", fps=90.0, people=[], statics=[], objects=[], clock=0.0).limits
     assert said.items() >= bounds.LIMITS.items()

@@ -26,11 +26,13 @@ class Editor:
         simulator: The simulator.
         people: The people's names, as the simulator counts them.
         drags: (client, name of the object) -> its drag.
+        added: Names of the objects that clients have added.
     """
 
     simulator: Simulator
     people: tuple[str, ...]
     drags: dict[tuple[str, str], Drag] = field(default_factory=dict)
+    added: set[str] = field(default_factory=set)
 
     def do(self, action: schema.Action, source: str) -> bool:
         """Carry out an action of a client.
@@ -47,6 +49,7 @@ class Editor:
             case schema.Remove(name=name):
                 self.simulator.remove_object(name)
                 self.drags = {key: drag for key, drag in self.drags.items() if key[1] != name}
+                self.added.discard(name)
             case schema.Mass(name=name, value=value):
                 bounds.check_mass(value, f"mass of {name!r}")
                 self._change({name: value}, {})
@@ -78,6 +81,11 @@ class Editor:
             raise InputError(
                 f"add: found {bounds.MOST_OBJECTS} objects, expected fewer. Remove some first"
             )
+        if len(self.added) >= bounds.MOST_ADDED:
+            raise InputError(
+                f"add: found {bounds.MOST_ADDED} objects that clients added, expected fewer. "
+                "Remove some of them first"
+            )
         word = action.shape.partition(":")[0].strip()
         if word not in SHAPES or "," in action.shape:
             raise InputError(
@@ -107,6 +115,7 @@ class Editor:
         except InputError:
             self.simulator.world = before
             raise
+        self.added.add(action.name)
 
     def _push(self, name: str, impulse: Vector, point: Vector | None) -> None:
         simulator = self.simulator

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from halfphysics.base.validation import number
 from halfphysics.errors import InputError
@@ -79,17 +80,17 @@ def check_place(place: Sequence[float], what: str) -> None:
         number(x, what, least=-MOST_DISTANCE, most=MOST_DISTANCE, unit="m")
 
 
-def check_speed(velocity: Sequence[float], what: str) -> None:
+def check_speed(velocity: ArrayLike, what: str) -> None:
     """Refuse a velocity (3,) [m/s] that is too fast; InputError names `what`."""
     _check_length(velocity, MOST_SPEED, what, "m/s")
 
 
-def check_spin(spin: Sequence[float], what: str) -> None:
+def check_spin(spin: ArrayLike, what: str) -> None:
     """Refuse an angular velocity (3,) [rad/s] that is too fast; InputError names `what`."""
     _check_length(spin, MOST_SPIN, what, "rad/s")
 
 
-def check_impulse(impulse: Sequence[float]) -> None:
+def check_impulse(impulse: ArrayLike) -> None:
     """Refuse an impulse (3,) [N s] that moves nothing at a speed in bounds, with InputError."""
     _check_length(impulse, MOST_IMPULSE, "impulse", "N s")
 
@@ -125,7 +126,7 @@ def check_clear(world: World, name: str) -> None:
         )
 
 
-def _check_length(vector: Sequence[float], most: float, what: str, unit: str) -> None:
+def _check_length(vector: ArrayLike, most: float, what: str, unit: str) -> None:
     with np.errstate(over="ignore", invalid="ignore"):
         number(float(np.linalg.norm(vector)), what, least=0.0, most=most, unit=unit)
 

@@ -51,7 +51,9 @@ def test_a_far_point_is_walked_to():
 def test_what_nobody_reaches_is_given_up():
     person = Person(body(), goals=[ReachFor((0.5, 0.0, 3.5))])
     near, _ = nearest(person, "right", (0.5, 0.0, 3.5), most=800)
-    assert person.done
+    assert not person.done
+    assert person.goals == ()
+    assert [one.reason for one in person.given_up] == ["no arm comes to (0.5, 0.0, 3.5)"]
     assert near > 1.0
 
 
@@ -108,8 +110,15 @@ def test_taking_ends_with_the_thing_in_the_hand():
 
 
 def test_patience_ends():
-    person = Person(body(), goals=[HandOver(until=lambda seen: False, patience=1.0)])
-    until_done(person, most=200)
+    """It is not done then, but given up."""
+    goal = HandOver(until=lambda seen: False, patience=1.0)
+    person = Person(body(), goals=[goal])
+    person.reset()
+    for _ in range(200):
+        person.next(1.0 / 30.0, Seen())
+    assert not person.done
+    assert person.given_up == ((goal, "nothing came of it within 1 s"),)
+    assert person.withdrawn("right")
 
 
 @pytest.mark.parametrize(

@@ -65,6 +65,22 @@ def test_a_seat_carries_it():
     assert np.linalg.norm(off) < 0.03
 
 
+def test_a_seat_behind_walls_is_given_up():
+    scene = hp.Scene()
+    for k, (x, y) in enumerate(((2.0, 0.0), (6.0, 0.0), (4.0, 2.0), (4.0, -2.0))):
+        size = (0.2, 4.0, 2.0) if y == 0.0 else (4.0, 0.2, 2.0)
+        scene.add_static(f"wall{k}", hp.Box(size), position=(x, y, 1.0))
+    goal = SitOn((4.0, 0.0))
+    person = Person(body(), scene=scene, goals=[goal])
+    person.reset()
+    for _ in range(13 * 30):
+        person.next(1.0 / 30.0, Seen())
+    assert not person.done
+    assert person.stands
+    assert person.given_up[0].goal == goal
+    assert "no way leads there" in person.given_up[0].reason
+
+
 def test_impossible_seats_are_refused():
     with pytest.raises(hp.errors.InputError, match=r"SitOn: height: expected a number from 0.3"):
         SitOn((0.0, 0.0), height=0.1)

@@ -101,6 +101,82 @@ def test_following_keeps_the_distance():
     assert not person.done, "it follows until it is told to do something else"
 
 
+def walls(*boxes):
+    scene = hp.Scene()
+    scene.add_static("floor", hp.Plane())
+    for k, (size, position) in enumerate(boxes):
+        scene.add_static(f"wall{k}", hp.Box(size), position=position)
+    return scene
+
+
+def until_over(cast, scene, seconds):
+    """Simulate actors until nobody has a goal left; where their pelvises are then (x, y) [m]."""
+    sim = hp.Simulator(scene, body=[body()] * len(cast), settings=hp.actors.SETTINGS, fps=30)
+    frame = sim.reset([person.reset(seed) for seed, person in enumerate(cast)])
+    for i in range(round(30 * seconds)):
+        sights = [Seen.of(sim, frame, k, time=i / 30.0) for k in range(len(cast))]
+        frame = sim.step([p.next(1.0 / 30.0, seen) for p, seen in zip(cast, sights, strict=True)])
+        if not any(person.goals for person in cast):
+            break
+    return [body().joints(pose)[0, :2] for pose in frame.poses]
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_a_place_inside_a_wall_is_given_up(known):
+    """Also by who does not know of the wall: it is not done, and says why."""
+    scene = walls(((0.2, 6.0, 2.4), (2.0, 0.0, 1.2)))
+    goal = WalkTo((1.95, 0.0))
+    person = Person(body(), scene=scene if known else None, goals=[goal])
+    (pelvis,) = until_over([person], scene, 27.0)
+    assert not person.done
+    assert person.goals == ()
+    (given_up,) = person.given_up
+    assert given_up.goal == goal
+    assert "(1.95, 0) was not reached: it was blocked" in given_up.reason
+    assert pelvis[0] < 1.9, "it stands before the wall"
+
+
+def test_a_closed_room_is_given_up_and_the_next_goal_is_done():
+    scene = closed_room()
+    person = Person(body(), scene=scene, goals=[WalkTo((4.0, 0.0)), WalkTo((0.0, 1.0))])
+    person.reset()
+    for _ in range(15 * 30):
+        person.next(1.0 / 30.0, Seen())
+    assert [(one.goal.place, one.reason) for one in person.given_up] == [
+        ((4.0, 0.0), "(4, 0) was not reached: no way leads there; it is 3.96 m away")
+    ]
+    np.testing.assert_allclose(person.place, (0.0, 1.0), atol=1e-3)
+    assert person.goals == ()
+    assert not person.done
+    person.do(WalkTo((0.0, 0.5)))
+    assert person.given_up == ()
+    for _ in range(5 * 30):
+        person.next(1.0 / 30.0, Seen())
+    assert person.done
+
+
+def closed_room():
+    """Walls around (4, 0)."""
+    across, along = (0.2, 4.0, 2.0), (4.0, 0.2, 2.0)
+    places = ((2.0, 0.0, 1.0), (6.0, 0.0, 1.0), (4.0, 2.0, 1.0), (4.0, -2.0, 1.0))
+    return walls(*zip((across, across, along, along), places, strict=True))
+
+
+def test_who_is_told_to_a_place_that_is_taken_does_not_wait_for_ever():
+    """The first one stands fast; the second one ends, on its place or with the reason."""
+    pair = [
+        Person(body(), place=(2.0, 0.0)),
+        Person(body(), place=(0.0, 0.5), goals=[WalkTo((2.0, 0.0))]),
+    ]
+    _, pelvis = until_over(pair, walls(), 30.0)
+    second = pair[1]
+    assert second.goals == ()
+    if second.done:
+        assert math.dist(pelvis, (2.0, 0.0)) < 0.2
+    else:
+        assert "(2, 0) was not reached" in second.given_up[0].reason
+
+
 @pytest.mark.parametrize(
     ("make", "words"),
     [

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import re
+import signal
+import subprocess
+import sys
+import time
 
 import pytest
 
@@ -33,6 +38,43 @@ def test_an_unfinished_recording_becomes_a_result(tmp_path, capsys, monkeypatch)
     assert main(["convert", f"{path}.unfinished", str(tmp_path / "found.npz")]) == 0
     assert len(hp.Result.load(tmp_path / "found.npz")) > 2
     assert main(["convert", f"{path}.unfinished", str(tmp_path / "found.glb")]) == 0
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGINT for one process")
+def test_ctrl_c_says_what_was_written(tmp_path):
+    path = tmp_path / "out.npz"
+    words = ["-m", "halfphysics", "serve", "--port", "0", "-o", str(path)]
+    with subprocess.Popen([sys.executable, *words], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline().startswith("a live session")
+        time.sleep(0.5)
+        process.send_signal(signal.SIGINT)
+        said = process.stdout.read().splitlines()
+    assert said[-1] == f"written: {path}"
+    assert process.returncode == 130
+    assert len(hp.Result.load(path)) > 1
+
+
+def test_a_session_without_frames_has_written_nothing(tmp_path, capsys, monkeypatch):
+    from halfphysics.live.session import Session
+
+    monkeypatch.setattr(Session, "step", lambda self: None)
+    path = tmp_path / "out.npz"
+    assert main(["serve", "--port", "0", "--for", "0.2", "-o", str(path)]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said[-1] == f"nothing to record: no frame was made, {path} is not written"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_cannot_be_finished_is_said_to_be_unfinished(tmp_path, capsys, monkeypatch):
+    def save(self, path):
+        raise hp.errors.FileError(f"{path}: cannot write: No space left on device")
+
+    monkeypatch.setattr(hp.Result, "save", save)
+    path = tmp_path / "out.npz"
+    assert main(["serve", "--port", "0", "--for", "0.5", "-o", str(path)]) == 0
+    assert capsys.readouterr().out.splitlines()[-1] == f"written: {path}.unfinished"
+    assert not path.exists()
 
 
 def test_options_make_the_scene_and_the_people(monkeypatch, capsys):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from halfphysics.errors import InputError
-from halfphysics.live import edits, schema
+from halfphysics.live import bounds, schema
 from halfphysics.live.edits import Editor
 from halfphysics.motion.skeleton import JOINT_INDEX
 
@@ -100,7 +100,7 @@ def test_what_is_impossible_changes_nothing(editor, action, said):
 
 
 def test_objects_are_bounded(editor, monkeypatch):
-    monkeypatch.setattr(edits, "MOST_OBJECTS", 2)
+    monkeypatch.setattr(bounds, "MOST_OBJECTS", 2)
     editor.do(schema.Add("a", "sphere:0.1", 1.0, (5.0, 5.0, 1.0)), "a")
     with pytest.raises(InputError, match="Remove some first"):
         editor.do(schema.Add("b", "sphere:0.1", 1.0, (5.0, 6.0, 1.0)), "a")

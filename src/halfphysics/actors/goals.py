@@ -6,7 +6,7 @@ A goal is a value: it can be given to many persons, many times. `task` begins it
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
@@ -19,11 +19,14 @@ class Task(Protocol):
     """A goal under way."""
 
     def go_on(self, me: Person) -> bool:
-        """Ask the person for what the goal needs in this frame; whether it is done."""
+        """Ask the person for what the goal needs in this frame; whether it is done.
+
+        Where it cannot be done, `Person.give_up` ends it.
+        """
         ...
 
     def end(self, me: Person) -> None:
-        """Take back what was asked: the goal is done, or another one comes instead."""
+        """Take back what was asked: it is done or given up, or another goal comes instead."""
         ...
 
 
@@ -33,6 +36,18 @@ class Goal(Protocol):
     def task(self) -> Task:
         """Begin it."""
         ...
+
+
+class GivenUp(NamedTuple):
+    """A goal that was not reached.
+
+    Attributes:
+        goal: The goal.
+        reason: Why, in a sentence.
+    """
+
+    goal: Goal
+    reason: str
 
 
 def checked_goals(goals: object) -> tuple[Goal, ...]:

@@ -14,7 +14,7 @@ from halfphysics.actors.figure import Figure
 from halfphysics.actors.floor_plan import FloorPlan
 from halfphysics.actors.foot import Foothold
 from halfphysics.actors.footprints import feet_of
-from halfphysics.actors.goals import checked_goals
+from halfphysics.actors.goals import GivenUp, checked_goals
 from halfphysics.actors.limbs import vec
 from halfphysics.actors.path import Point
 from halfphysics.actors.poise import Poise
@@ -96,6 +96,8 @@ class Person:
         self.seen, self.time, self.dt = Seen(), 0.0, 0.0
         self._goals = deque(self._first_goals)
         self._task: Task | None = None
+        self._reason = ""
+        self._given_up: tuple[GivenUp, ...] = ()
         self._looks_at: Target | None = None
         self._pose = self._poise.pose(self._walker.now())
         return self._pose
@@ -142,10 +144,13 @@ class Person:
     # -- Goals
 
     def do(self, *goals: Goal) -> None:
-        """Do these goals now, one after the other, in place of all others."""
+        """Do these goals now, one after the other, in place of all others.
+
+        What was given up before is forgotten.
+        """
         checked = checked_goals(goals)
         self._end_task()
-        self._goals = deque(checked)
+        self._goals, self._given_up = deque(checked), ()
 
     def then(self, *goals: Goal) -> None:
         """Do these goals after all others."""
@@ -153,20 +158,28 @@ class Person:
 
     @property
     def goals(self) -> tuple[Goal, ...]:
-        """What is not done yet, the one under way first."""
+        """What is neither done nor given up yet, the one under way first."""
         return tuple(self._goals)
 
     @property
     def done(self) -> bool:
-        """Whether all goals are done."""
-        return not self._goals
+        """Whether all goals are done, none of them given up."""
+        return not self._goals and not self._given_up
+
+    @property
+    def given_up(self) -> tuple[GivenUp, ...]:
+        """Goals that could not be reached, each with the reason; the next goals were gone on to."""
+        return self._given_up
 
     def _do_goals(self) -> None:
         while self._goals:
             if self._task is None:
                 self._task = self._goals[0].task()
-            if not self._task.go_on(self):
+            self._reason = ""
+            if not self._task.go_on(self) and not self._reason:
                 return
+            if self._reason:
+                self._given_up += (GivenUp(self._goals[0], self._reason),)
             self._end_task()
             self._goals.popleft()
 
@@ -196,6 +209,11 @@ class Person:
     def blocked(self) -> int:
         """How often something stopped it on the way to where it walks."""
         return self._way.blocked
+
+    @property
+    def stuck(self) -> str:
+        """Why it does not go on to where it was to walk to; "": it goes on, or has arrived."""
+        return self._way.stuck
 
     @property
     def sits(self) -> bool:
@@ -270,6 +288,11 @@ class Person:
         """Stand still after the next step."""
         if not self.arrived:
             self._way.stop()
+
+    def give_up(self, reason: str) -> bool:
+        """End the goal under way as not reached, for `Task.go_on`; returns False: not done."""
+        self._reason = reason
+        return False
 
     def look(self, at: Target | None) -> None:
         """Look at something from now on; None: ahead."""

@@ -62,7 +62,8 @@ def checked_hand(hand: object, what: str) -> str:
 class ReachFor:
     """Bring a palm to a point; walk there first if it is far, lean and bend the knees as needed.
 
-    What no arm reaches from there is given up after some seconds.
+    What no arm reaches from there is given up after some seconds (`Person.given_up`), and so is a
+    walk as by `WalkTo`.
 
     Attributes:
         target: A point (3,) [m], an object's name, or a person's index.
@@ -101,12 +102,17 @@ class Reaching:
         self._goal = goal
         self._walks: bool | None = None
         self._held, self._tried, self._nearer = 0.0, 0.0, 0
-        self._back = False
+        self._back, self._short = False, False
 
     def go_on(self, me: Person) -> bool:
         goal = self._goal
         if self._back:
-            return me.withdrawn(goal.hand)
+            back = me.withdrawn(goal.hand)
+            if back and self._short:
+                return me.give_up(f"no arm comes to {goal.target!r}")
+            return back
+        if me.stuck and self._walks:
+            return me.give_up(me.stuck)
         at = me.point_of(goal.target)
         me.look(goal.target)
         if self._walks is None:
@@ -127,7 +133,7 @@ class Reaching:
             self._nearer, self._tried = self._nearer + 1, 0.0
         if self._held > goal.hold or self._tried > goal.hold + _PATIENCE:
             me.withdraw(goal.hand)
-            self._back = True
+            self._back, self._short = True, self._held <= goal.hold
         return False
 
     def end(self, me: Person) -> None:
@@ -157,7 +163,7 @@ class HandOver:
             None: ahead.
         hand: "left" or "right".
         until: In place of `give` and `take`: done when this says so of what is seen.
-        patience: After which it withdraws in any case [s].
+        patience: After which it withdraws in any case [s]; the goal is given up then.
 
     Raises:
         InputError: An impossible value, or nothing to wait for.
@@ -189,12 +195,15 @@ class HandingOver:
         self._goal = goal
         self._turned = False
         self._waited, self._settled = 0.0, 0.0
-        self._back = False
+        self._back, self._vain = False, False
 
     def go_on(self, me: Person) -> bool:
         goal = self._goal
         if self._back:
-            return me.withdrawn(goal.hand)
+            back = me.withdrawn(goal.hand)
+            if back and self._vain:
+                return me.give_up(f"nothing came of it within {goal.patience:g} s")
+            return back
         if goal.to is not None:
             x, y, _ = me.point_of(goal.to)
             facing = math.atan2(y - me.place.y, x - me.place.x)
@@ -205,15 +214,14 @@ class HandingOver:
         if not me.arrived:
             return False
         me.reach(goal.hand, self._point(me), "in" if goal.give is not None else "up")
-        if not me.reached(goal.hand):
-            return False
         self._waited += me.dt
-        self._settled = self._settled + me.dt if self._happened(me) else 0.0
+        happened = me.reached(goal.hand) and self._happened(me)
+        self._settled = self._settled + me.dt if happened else 0.0
         if self._settled and goal.take is not None:
             me.close_hand(goal.hand)
         if self._settled > _SETTLED or self._waited > goal.patience:
             me.withdraw(goal.hand)
-            self._back = True
+            self._back, self._vain = True, self._settled <= _SETTLED
         return False
 
     def _point(self, me: Person) -> Vec:

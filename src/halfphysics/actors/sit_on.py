@@ -19,6 +19,8 @@ _SPEED = 1.0
 class SitOn:
     """Walk to a seat, sit down and stay for a time.
 
+    A seat that it cannot walk to is given up, as by `WalkTo`.
+
     Attributes:
         place: Where the pelvis rests on it (x, y) [m].
         height: Of the seat [m], 0.3 to 0.7.
@@ -59,6 +61,8 @@ class Sitting:
             to = feet_before(goal.place, goal.heading, me.leg)
             me.walk(Point(*to), goal.heading, _SPEED)
             self._walks = True
+        if not self._sits and me.stuck:
+            return me.give_up(me.stuck)
         if not self._sits and me.arrived and me.stands:
             me.sit(seat_pelvis(goal.place, goal.height, me.leg))
             self._sits = True

@@ -20,6 +20,8 @@ SLOWEST, FASTEST = 0.2, 1.8
 class WalkTo:
     """Walk to a place, around what is in the way, and stand there.
 
+    It is given up after 10 s of waiting and trying without coming nearer (`Person.given_up`).
+
     Attributes:
         place: Where the pelvis is to be, nearly: the middle between the ankles (x, y) [m].
         heading: Where to face there, about z [rad], 0 along +x; None: as the way ends.
@@ -55,7 +57,7 @@ class Walking:
             goal = self._goal
             me.walk(Point(*goal.place), goal.heading, goal.speed)
             self._asked = True
-        return me.arrived
+        return me.give_up(me.stuck) if me.stuck else me.arrived
 
     def end(self, me: Person) -> None:
         me.stop()
@@ -91,7 +93,7 @@ class Turning:
         if not self._asked:
             me.walk(me.place, self._heading, 1.0)
             self._asked = True
-        return me.arrived
+        return me.give_up(me.stuck) if me.stuck else me.arrived
 
     def end(self, me: Person) -> None:
         me.stop()

@@ -4,7 +4,10 @@ What it notices is how far its body is from its reference:
 - behind on its way for a while: it is blocked. It stops where its body is, waits, and looks for a
   way round what it touched;
 - away while it stands: it was pushed. It steps to where its body is, and comes back when nothing
-  pushes any more.
+  pushes any more;
+- away from its goal when the reference is there: it is blocked as well.
+
+Who waits and tries for long without coming nearer gives up, and stands where it is.
 """
 
 from __future__ import annotations
@@ -35,6 +38,11 @@ BEHIND, SLOW, PATIENCE = 0.05, 0.35, 0.5
 WAITS = 0.2
 #: A standing person this far from its reference [m] takes a step.
 PUSHED = 0.10
+#: A body this near to its reference at the end of the way has arrived [m].
+REACHED = 0.15
+#: Time in which it waits, steps back or is slowed down without coming nearer by so much [m], after
+#: which it gives up [s].
+GIVES_UP, NEARER = 10.0, 0.5
 # How long it waits before it goes round [s], before it tries again, and before it comes back.
 _WAIT, _AGAIN, _SETTLE = 0.9, 2.0, 0.7
 # Who is blocked steps back from where its body is [m].
@@ -72,6 +80,9 @@ class Way:
         self._retreat: Array | None = None
         #: How often it was blocked on the way to its goal.
         self.blocked = 0
+        #: Why it has given up its last goal; "": it has not.
+        self.stuck = ""
+        self._tried, self._nearest = 0.0, math.inf
 
     # -- What is asked of it
 
@@ -107,6 +118,7 @@ class Way:
         """Go to a place, from the next step on."""
         self._goal, self._aim = (to, heading, speed), None
         self._catching, self._wait, self.blocked, self._retreat = False, 0.0, 0, None
+        self.stuck, self._tried, self._nearest = "", 0.0, math.inf
 
     def stop(self) -> None:
         """Stand as soon as feet allow."""
@@ -125,41 +137,50 @@ class Way:
             free: Whether it may begin a step.
         """
         self._notice(dt, seen, body, offset)
+        self._be_patient(dt, body)
         walker = self._walker
         if walker.advance(dt * self._slowed):
             walker.land()
         if walker.stepping or not free:
             return
-        step = self._next(seen, offset)
+        step = self._next(seen, body, offset)
         if step is not None:
             walker.step(*step)
 
-    def _next(self, seen: Seen, offset: Array) -> Next | None:
-        if self._goal is not None and not self._catching and self._wait <= 0.0:
+    def _next(self, seen: Seen, body: Array, offset: Array) -> Next | None:
+        tries = self._aim is not None or self._tried <= GIVES_UP
+        if self._goal is not None and not self._catching and self._wait <= 0.0 and tries:
             self._look_ahead(seen)
         if self._aim is None:
             step = stopping(self._walker)
             if step is None:
-                self._stand(offset)
+                self._stand(body, offset)
         if self._aim is not None:
             step = next_step(self._walker, self._aim)
             if step is None:
-                self._there()
+                self._there(seen, body, offset)
         return step
 
-    def _there(self) -> None:
+    def _there(self, seen: Seen, body: Array, offset: Array) -> None:
         self._aim = None
-        if not self._catching:
+        short = math.hypot(*offset)
+        if not self._catching and short > REACHED:
+            self._is_blocked(seen, body, -offset / short)
+        elif not self._catching:
             self._goal = None
             self._home = self._walker.centre
         self._catching = False
 
-    def _stand(self, offset: Array) -> None:
+    def _stand(self, body: Array, offset: Array) -> None:
         """What a person does who stands and is to go nowhere now."""
         centre, home = self._walker.centre, self._home
         if self._retreat is not None:
             (x, y), self._retreat = self._retreat, None
             self._to(Point(float(x), float(y)), centre.yaw)
+        elif self._tried > GIVES_UP and (
+            math.hypot(*offset) <= PUSHED or self._tried > 2.0 * GIVES_UP
+        ):
+            self._give_up(body)
         elif math.hypot(*offset) > PUSHED:
             self._calm = 0.0
             self._to(Point(centre.x + float(offset[0]), centre.y + float(offset[1])), centre.yaw)
@@ -199,6 +220,26 @@ class Way:
         self._slowed = min(max((WAITS - behind) / (WAITS - BEHIND), 0.0), 1.0)
         if self._held > PATIENCE:
             self._is_blocked(seen, body, way)
+
+    def _be_patient(self, dt: float, body: Array) -> None:
+        if self._goal is None:
+            return
+        left = math.dist(self._goal[0], body)
+        if left < self._nearest - NEARER:
+            self._nearest, self._tried = left, 0.0
+        elif self._aim is None or self._catching or self._slowed < 1.0:
+            self._tried += dt
+
+    def _give_up(self, body: Array) -> None:
+        """Stand here in place of going on to the goal."""
+        if self._goal is None:
+            return
+        (x, y), _, _ = self._goal
+        short = math.dist((x, y), body)
+        why = f"it was blocked, {self.blocked} times" if self.blocked else "no way leads there"
+        self.stuck = f"({x:g}, {y:g}) was not reached: {why}; it is {short:.2f} m away"
+        self._goal, self._tried = None, 0.0
+        self._home = self._walker.centre
 
     def _is_blocked(self, seen: Seen, body: Array, way: Array) -> None:
         self._held, self._aim, self._slowed = 0.0, None, 1.0

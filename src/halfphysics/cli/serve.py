@@ -16,6 +16,7 @@ from halfphysics.settings import Settings
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
+    from halfphysics.live.recording import Recorder
     from halfphysics.live.serve import LiveServer
     from halfphysics.scene.scene import Scene
     from halfphysics.simulation.sequence import Sequence
@@ -87,7 +88,7 @@ class Command:
         settings = self.settings
         if sequence is not None and settings == Settings():
             settings = sequence.settings
-        with serve(
+        live = serve(
             scene,
             body=[self._body()] * count,
             start=start,
@@ -100,14 +101,17 @@ class Command:
             record=self.out,
             listen=self.listen,
             forward=self.forward,
-        ) as live:
-            if self.port not in (0, live.server.port):
-                print(f"port {self.port} is in use, taking {live.server.port}")
-            print(f"a live session of {', '.join(live.session.people)} at {live.url}", flush=True)
-            with quick_answers():
+        )
+        try:
+            with live, quick_answers():
+                if self.port not in (0, live.server.port):
+                    print(f"port {self.port} is in use, taking {live.server.port}")
+                people = ", ".join(live.session.people)
+                print(f"a live session of {people} at {live.url}", flush=True)
                 self._wait(live)
-        if self.out is not None:
-            print(f"written: {self.out}")
+        finally:  # also after Ctrl-C
+            if live.recorder is not None:
+                print(_outcome(live.recorder), flush=True)
 
     def _place(self) -> tuple[Scene, Sequence | None]:
         """The scene, and the scenario that it is of."""
@@ -153,6 +157,13 @@ class Command:
                     said = now
         finally:
             print(_figures(live), flush=True)
+
+
+def _outcome(recorder: Recorder) -> str:
+    """What became of a recording in one line."""
+    if recorder.written is None:
+        return f"nothing to record: no frame was made, {recorder.path} is not written"
+    return f"written: {recorder.written}"
 
 
 def _figures(live: LiveServer) -> str:

@@ -115,7 +115,8 @@ class Walkers:
         told = self._told[i] - [x, y, 0.0]
         short = not np.hypot(*told[:2]) > 0.5 * _AHEAD
         turned = np.abs(told[:2] / max(np.hypot(*told[:2]), 1e-9) - way[:2] / _AHEAD).max()
-        if short or not turned < _DIFFERS or not abs(told[2] - speed) < _DIFFERS:
+        same = turned < _DIFFERS and abs(told[2] - speed) < _DIFFERS
+        if short or not same or person.stuck:
             person.walk(Point(x + way[0], y + way[1]), None, min(speed, FASTEST))
             self._told[i] = way[0] + x, way[1] + y, speed
 

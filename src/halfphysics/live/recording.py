@@ -51,6 +51,8 @@ class Recorder:
         path: The result file.
         partial: The file that is appended to until then.
         left_out: Frames that the disk was too slow for.
+        written: The file that has the recording, once it is closed: `path`, or `partial` where that
+            could not be written; None: there was nothing to record.
 
     Raises:
         FileError: The folder is missing or cannot be written, or an earlier recording of this name
@@ -61,6 +63,7 @@ class Recorder:
         self.path = file_path(path)
         self.partial = self.path.with_name(f"{self.path.name}.unfinished")
         self.left_out = 0
+        self.written: Path | None = None
         self._simulator = simulator
         self._frames: queue.Queue[tuple[Outgoing, Scene] | None] = queue.Queue(_WAITING)
         self._scene: Scene | None = None
@@ -103,11 +106,13 @@ class Recorder:
         if not self._written:
             self.partial.unlink(missing_ok=True)
             return
+        self.written = self.partial
         try:
             unfinished.load_unfinished(self.partial).save(self.path)
         except HalfPhysicsError as error:
             logger.warning("the recording stays as it is: %s", error)
             return
+        self.written = self.path
         self.partial.unlink()
 
     # -- by the thread that writes -------------------------------------------------------

@@ -12,6 +12,7 @@ import msgspec
 from msgspec import UNSET, Meta, Struct, UnsetType
 
 from halfphysics.errors import InputError
+from halfphysics.live.bounds import LIMITS
 from halfphysics.motion.skeleton import JOINT_NAMES, PARENTS
 
 #: Version of the schema. A change that old clients cannot read makes a new one.
@@ -321,6 +322,7 @@ def hello(
             "position": MAX_DISTANCE,
             "rotation": MAX_ROTATION,
             "people": MAX_PEOPLE,
+            **LIMITS,
         },
     )
 

@@ -36,7 +36,7 @@ class PersonContact:
 class PersonContacts:
     """Contact points between people and the world, and among people, as arrays of one length n.
 
-    A single one, and iteration, give `PersonContact`s.
+    A single one is a `PersonContact`; so is each of an iteration.
 
     Attributes:
         geom1, geom2: Geoms of the MuJoCo model (n,): first the world's or another person's, then

@@ -245,7 +245,7 @@ def view(
         block: Wait until Ctrl-C; False: return at once, as in a notebook.
 
     Returns:
-        The running viewer with `.url` and `.stop()`; a context manager.
+        The running viewer with `url`, and `Viewer.stop`; a context manager.
 
     Raises:
         InputError: Neither a result nor a motion, an invalid host or port, or a wrong number of

@@ -157,7 +157,7 @@ class HeldDoor(Task):
             place = np.array([-far, self._lane[i, 1] + off])
         pose = self.people.start(i, place, float(self._way[i]), seed)
         ajar = chance.uniform(0.0, AJAR)
-        reach = HANDLE + (FORK, 0.0) + chance.uniform(-0.004, 0.004, 2)
+        reach = np.add(HANDLE, [FORK, 0.0]) + chance.uniform(-0.004, 0.004, 2)
         at = HINGE + into(reach[None], np.array([-ajar]))[0]
         joints = {**self.bases.start(i, at, np.pi + ajar), "door/hinge": ajar}
         self.worlds.start(i, [pose], joints)

@@ -158,9 +158,9 @@ def by_script():
     return score.mean
 
 
-def test_standing_still_does_not_solve_it(by_script):
-    """The best constant action."""
-    assert without_looking((0.0, 0.0, 0.0)) < by_script - MARGIN
+def test_pressing_the_door_shut_does_not_solve_it(by_script):
+    """The best constant action: right for those who walk past only."""
+    assert without_looking((0.0, -1.0, -1.0)) < by_script - MARGIN
 
 
 @pytest.mark.slow

@@ -93,11 +93,31 @@ def test_impossible_actions(action):
         env.step(action)
 
 
-def test_an_impossible_size():
-    env = gymnasium.make("halfphysics/HandOver-v0", render_mode="rgb_array", size=(0, 10))
-    env.reset(seed=0)
-    with pytest.raises(InputError, match="size"):
-        env.render()
+@pytest.mark.parametrize("size", [(0, 10), (10, 5000), (10,), 10, "ab", (1.5, 2), None])
+def test_an_impossible_size_is_refused_when_an_environment_is_made(size):
+    """By all three faces, whether they will render or not."""
+    for make in (
+        lambda: gymnasium.make("halfphysics/HandOver-v0", size=size),
+        lambda: gymnasium.make_vec("halfphysics/HandOver-v0", 1, size=size),
+        lambda: halfphysics.envs.parallel_env("HandOver", size=size),
+    ):
+        with pytest.raises(InputError, match="size: found"):
+            make()
+
+
+@pytest.mark.parametrize("task", names())
+def test_actions_beyond_their_range_are_cut_off(task):
+    """1e300 is the largest action there is, bit for bit, and harms nothing."""
+
+    def run(action):
+        env = gymnasium.make(f"halfphysics/{task}-v0").unwrapped
+        said = [env.reset(seed=3)[0].tobytes()]
+        for sign in (1.0, -1.0, 1.0):
+            seen, reward, *_ = env.step(np.full(env.action_space.shape, sign * action))
+            said += [seen.tobytes(), reward]
+        return said
+
+    assert run(1e300) == run(1.0)
 
 
 def test_registering_again_does_no_harm_and_a_module_in_the_name_is_enough():

@@ -1,9 +1,10 @@
-"""HeldDoor: a robot holds a door for a person who wants through, and pushes if it is not held.
+"""HeldDoor: a robot holds a door for a person who wants through, and shuts it again.
 
 The door swings towards the robot's side and closes by itself. The robot's fork is around the
-handle: it can pull the door open and let it close. The person walks up to the door from the other
-side; some people wait in front of a closed door, some push it with a hand, and so the robot. The
-robot has done well when the person is through.
+handle: it can pull the door open and bring it back. The person comes on the other side. Some people
+wait in front of a closed door, some push it with a hand, and so the robot; others only walk past,
+and for them the door stays shut. The robot has done well when the person is through or past, the
+door is shut and the handle still in the fork.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base import rotations as rot
 from halfphysics.body.body import Body
 from halfphysics.envs.bases import Bases, into
 from halfphysics.envs.channels import XY, Channel, Layout
@@ -31,14 +33,22 @@ HINGE, HANDLE = np.array([0.06, 0.46]), np.array([0.09, -0.78])
 PUSHED = np.array([-0.03, -0.62, 1.15])
 #: Open enough to walk through [rad].
 OPEN = 1.0
-#: The person is through beyond this x [m].
-THROUGH = 1.1
+#: Shut, if less open than this [rad].
+SHUT = 0.12
+#: The person is through beyond this x, or past beyond this far along the wall [m].
+THROUGH, PAST = 1.1, 1.3
+#: Part of the people who walk past, and of the others who push a shut door.
+PASSING, PUSHING = 0.3, 0.5
+#: The door stands ajar at first by this at most [rad].
+AJAR = 0.3
 #: Fastest motion of the base [m/s], [rad/s].
 SPEED, TURN = 0.6, 1.0
 #: The handle is out of the fork farther than this from its middle [m].
 LOST = 0.07
 #: More than this on the person ends the episode [N].
 HURT = 250.0
+#: The door slams when it closes faster than this [rad/s] in its last part [rad].
+SLAM, LAST = 0.5, 0.2
 #: Largest turn of the person's way from straight ahead [rad].
 _SWERVE = 0.9
 
@@ -68,6 +78,7 @@ class HeldDoor(Task):
         Channel("person's pelvis, in the robot's frame", "m", -6.0, 6.0, XY),
         Channel("person's pelvis: before (negative) or behind the wall", "m", -4.0, 4.0),
         Channel("velocity of the person, in the robot's frame", "m/s", -3.0, 3.0, XY),
+        Channel("where the person faces, from straight through: cosine, sine", "", -1, 1, XY),
         Channel("force of the person on the door", "100 N", 0.0, 5.0),
         Channel("contact force on the person by robot and door", "100 N", 0.0, 5.0),
         Channel("part of the longest episode that has passed", "", 0.0, 1.0),
@@ -82,21 +93,24 @@ class HeldDoor(Task):
         Channel("opening of the door", "rad", -0.1, 2.0),
         Channel("its velocity", "rad/s", -5.0, 5.0),
         Channel("robot from the pelvis", "m", -6.0, 6.0, XY),
+        Channel("its way: 1, 0 through the door; 0, 1 or 0, -1 past it", "", -1, 1, XY),
         Channel("force on the person by robot and door", "100 N", 0.0, 5.0),
         Channel("part of the longest episode that has passed", "", 0.0, 1.0),
     )
     human_actions: ClassVar = Layout(
         Channel(f"speed: 1 is {FASTEST} m/s, -1 stands; below 0.2 m/s it stands", "", -1, 1),
-        Channel(f"direction: to the left of straight ahead, times {_SWERVE} rad", "", -1, 1),
+        Channel(f"direction: to the left of its way, times {_SWERVE} rad", "", -1, 1),
         Channel("above 0 the right hand goes to the door", "", -1, 1),
     )
     rewards: ClassVar = {
-        "progress": "1 per metre that the person gets ahead",
+        "progress": "1 per metre that the person gets ahead on its way, through or past",
         "push": "-0.002 per newton with which the person has to push the door, each step",
         "force": "-0.01 per newton of contact force on the person by the robot, each step",
+        "open": "-0.02 per radian of opening, each step, for a person who walks past or is through",
+        "slam": "-0.5 per rad/s by which the door closes faster than 0.5 rad/s in its last 0.2 rad",
         "lost": "-0.03 each step in which the handle is out of the fork",
         "time": "-0.01 each step",
-        "done": "5 when the person is through",
+        "done": "5 when the person is through or past, the door shut, the handle in the fork",
         "hurt": "-5 when robot and door push the person with more than 250 N",
     }
 
@@ -125,31 +139,43 @@ class HeldDoor(Task):
     def prepare(self) -> None:
         n = self.count
         self.people, self.bases = Walkers(self.body, self.worlds), Bases(n)
-        self._lane, self._pace, self._pushes = np.zeros(n), np.ones(n), np.zeros(n, dtype=bool)
+        self._way, self._lane, self._pace = np.zeros(n), np.zeros((n, 2)), np.ones(n)
+        self._pushes = np.zeros(n, dtype=bool)
         self._angle, self._rate, self._along = np.zeros(n), np.zeros(n), np.zeros(n)
 
     def start(self, i: int, chance: np.random.Generator) -> None:
-        self._lane[i], self._pace[i] = chance.uniform(-0.20, -0.05), chance.uniform(0.8, 1.2)
-        self._pushes[i] = chance.random() < 0.5
-        place = np.array([chance.uniform(-2.4, -1.5), self._lane[i] + chance.uniform(-0.2, 0.2)])
-        pose = self.people.start(i, place, 0.0, int(chance.integers(2**31)))
-        at = HINGE + HANDLE + [FORK, 0.0] + chance.uniform(-0.004, 0.004, 2)
-        self.worlds.start(i, [pose], self.bases.start(i, at, np.pi))
+        kind, side, seed = chance.random(), chance.choice([-1.0, 1.0]), int(chance.integers(2**31))
+        passes = kind < PASSING
+        self._pushes[i] = not passes and kind < PASSING + PUSHING * (1.0 - PASSING)
+        self._pace[i] = chance.uniform(0.8, 1.2)
+        far, off = chance.uniform(1.5, 2.4), chance.uniform(-0.2, 0.2)
+        if passes:
+            self._way[i], self._lane[i] = side * 0.5 * np.pi, (chance.uniform(-1.3, -0.95), 0.0)
+            place = np.array([self._lane[i, 0] + 0.5 * off, -side * far])
+        else:
+            self._way[i], self._lane[i] = 0.0, (0.0, chance.uniform(-0.20, -0.05))
+            place = np.array([-far, self._lane[i, 1] + off])
+        pose = self.people.start(i, place, float(self._way[i]), seed)
+        ajar = chance.uniform(0.0, AJAR)
+        reach = np.add(HANDLE, [FORK, 0.0]) + chance.uniform(-0.004, 0.004, 2)
+        at = HINGE + into(reach[None], np.array([-ajar]))[0]
+        joints = {**self.bases.start(i, at, np.pi + ajar), "door/hinge": ajar}
+        self.worlds.start(i, [pose], joints)
         self.people.settle(i)
-        self._angle[i] = self._rate[i] = 0.0
-        self._along[i] = self.people.place[i, 0]
+        self._angle[i], self._rate[i] = self._opening()[i], 0.0
+        self._along[i] = self._ahead()[i]
 
     # -- one step --------------------------------------------------------------------------
 
     def human(self) -> Array:
-        """Walks through an open door; at a closed one it waits, or pushes."""
-        place = self.people.place
-        shut = self._angle < OPEN
+        """Walks past, or through an open door; at a closed one it waits, or pushes."""
+        place, comes = self.people.place, self._comes
+        shut = comes & (self._angle < OPEN)
         near = (place[:, 0] > -1.0) & (place[:, 0] < 0.35)
-        swerve = np.arctan2(self._lane - place[:, 1], 1.0) / _SWERVE
+        swerve = np.arctan2(into(self._lane - place, self._way)[:, 1], 1.0) / _SWERVE
         before_it = shut & (place[:, 0] > -1.25) & (place[:, 0] < 0.35)
         speed = np.where(before_it, np.where(self._pushes, 0.4, 0.0), self._pace)
-        speed = np.where(place[:, 0] > THROUGH + 1.0, 0.0, speed)
+        speed = np.where(self._ahead() > self._goal + 1.0, 0.0, speed)
         hand = np.where(near & shut & self._pushes, 1.0, -1.0)
         told = np.stack([2.0 * speed / FASTEST - 1.0, swerve, hand], axis=1)
         out: Array = np.clip(told, -1.0, 1.0)
@@ -169,7 +195,7 @@ class HeldDoor(Task):
             axis=1,
         )
         self.people.hands(np.where(commands[:, 2:] > 0.0, point, np.nan), active)
-        return self.people.tell(speed, _SWERVE * commands[:, 1], active), rests
+        return self.people.tell(speed, self._way + _SWERVE * commands[:, 1], active), rests
 
     def judge(self, active: Flags) -> Outcome:
         before = self._angle
@@ -177,14 +203,18 @@ class HeldDoor(Task):
         self._angle = np.where(active, self._opening(), before)
         moved = (self._angle - before) / self.worlds.dt
         self._rate = np.where(active, moved, self._rate)
-        along = self.people.place[:, 0]
+        along = np.minimum(self._ahead(), self._goal)
         by_robot, by_door = self._force("robot"), self._force("door")
-        done, hurt = along > THROUGH, by_robot + by_door > HURT
+        there, lost = along >= self._goal, _length(self._in_fork()) > LOST
+        done, hurt = there & (self._angle < SHUT) & ~lost, by_robot + by_door > HURT
+        too_fast = np.where(self._angle < LAST, np.maximum(-self._rate - SLAM, 0.0), 0.0)
         terms = {
             "progress": along - self._along,
             "push": -0.002 * by_door,
             "force": -0.01 * by_robot,
-            "lost": -0.03 * (_length(self._in_fork()) > LOST),
+            "open": -0.02 * np.maximum(self._angle, 0.0) * (there | ~self._comes),
+            "slam": -0.5 * too_fast,
+            "lost": -0.03 * lost,
             "time": np.full(self.count, -0.01),
             "done": 5.0 * done,
             "hurt": -5.0 * hurt,
@@ -214,6 +244,7 @@ class HeldDoor(Task):
             into(self.people.place - at[:, :2], yaw),
             self.people.place[:, 0],
             into(self.people.velocity, yaw),
+            self._facing(),
             self._force("door") / 100.0,
             (self._force("door") + self._force("robot")) / 100.0,
             self.time * self.fps / self.steps,
@@ -227,11 +258,34 @@ class HeldDoor(Task):
             self._angle,
             self._rate,
             self.worlds.motors[:, 0, :2] - place,
+            np.cos(self._way),
+            np.sin(self._way),
             (self._force("door") + self._force("robot")) / 100.0,
             self.time * self.fps / self.steps,
         )
 
     # -- inside ----------------------------------------------------------------------------
+
+    @property
+    def _comes(self) -> Flags:
+        """Who wants through (N,)."""
+        comes: Flags = self._way == 0.0
+        return comes
+
+    @property
+    def _goal(self) -> Array:
+        """How far people want to be on their ways (N,) [m]."""
+        return np.where(self._comes, THROUGH, PAST)
+
+    def _ahead(self) -> Array:
+        """How far people are on their ways, 0 beside the middle of the door (N,) [m]."""
+        return into(self.people.place, self._way)[:, 0]
+
+    def _facing(self) -> Array:
+        """Where people face, level: cosine and sine from straight through (N, 2)."""
+        forward = rot.rotate(self.worlds.place("person/pelvis")[:, 3:], np.array([0.0, 0.0, 1.0]))
+        level: Array = forward[:, :2] / np.maximum(_length(forward[:, :2]), 1e-9)[:, None]
+        return level
 
     def _opening(self) -> Array:
         """Of the doors (N,) [rad]."""

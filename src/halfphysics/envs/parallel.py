@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.optional_package import optional
-from halfphysics.envs.pictures import SIZE, picture
+from halfphysics.envs.pictures import SIZE, checked_size, picture
 from halfphysics.envs.single import checked_actions, checked_render_mode
 from halfphysics.envs.tasks import task_class
 from halfphysics.errors import InputError
@@ -28,7 +28,7 @@ class ParallelEnv(_Env):  # type: ignore[misc]
         render_mode, steps, size: As for a single environment.
 
     Raises:
-        InputError: A task or render mode that there is not, an impossible number.
+        InputError: A task or render mode that there is not, an impossible number or size.
     """
 
     metadata: dict[str, Any] = {  # noqa: RUF012 - an instance has its own
@@ -45,8 +45,8 @@ class ParallelEnv(_Env):  # type: ignore[misc]
         size: tuple[int, int] = SIZE,
     ) -> None:
         self.render_mode = checked_render_mode(render_mode)
+        self.size = checked_size(size)
         self.task = task_class(task)(1, steps=steps)
-        self.size = size
         self.metadata = {**type(self).metadata, "name": f"halfphysics_{task}"}
         self.possible_agents = list(AGENTS)
         self.agents: list[str] = []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,14 @@ SIZE = (640, 480)
 MOST = 4096
 
 
+def checked_size(size: Any) -> tuple[int, int]:
+    """Width and height of pictures [pixels]. Raises `InputError` for an impossible size."""
+    fine = isinstance(size, tuple | list) and len(size) == 2
+    if not (fine and all(is_whole(s, least=1) and s <= MOST for s in size)):
+        raise InputError(f"size: found {shown(size)}, expected two whole numbers from 1 to {MOST}")
+    return int(size[0]), int(size[1])
+
+
 def picture(task: Task, i: int = 0, size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:
     """Episode `i` as it is now, as the task's camera sees it, (H, W, 3).
 
@@ -33,8 +41,7 @@ def picture(task: Task, i: int = 0, size: tuple[int, int] = SIZE) -> NDArray[np.
     Raises:
         InputError: An impossible size.
     """
-    if not (len(size) == 2 and all(is_whole(s, least=1) and s <= MOST for s in size)):
-        raise InputError(f"size: found {shown(size)}, expected two whole numbers from 1 to {MOST}")
+    size = checked_size(size)
     drawing = Drawing(cast("Result", task.worlds.moment(i)))
     view = task.view
     camera = Camera(position=np.array(view.position), target=np.array(view.target), fov=view.fov)

@@ -159,10 +159,13 @@ def _corridor(seen: NDArray[np.float32]) -> Array:
 
 
 def _held_door(seen: NDArray[np.float32]) -> Array:
-    """Pulls the door open along its arc when the person comes, the fork around the handle."""
+    """Pulls the door along its arc, the fork around the handle: open when a person comes who faces
+    it, shut again once the person is clear of it."""
     s = seen.astype(float)
     opening, off, heading = s[:, 0], s[:, 2:4], np.arctan2(s[:, 5], s[:, 4])
-    wanted = np.where(s[:, 11] > -2.2, 1.45, 0.0)
+    before, faces = s[:, 11], s[:, 14] > 0.7
+    comes = (before > -2.2) & (before < 1.5) & (faces | (before > -0.4))
+    wanted = np.where(comes, 1.45, 0.0)
     rate = np.clip(2.0 * (wanted - opening), -0.7, 0.7)
     # The fork's arc about the hinge, in the robot's frame, and back to the handle where it is off.
     velocity = rate[:, None] * [-0.78, -0.53] + 3.0 * off

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base.optional_package import optional
 from halfphysics.base.validation import shown
-from halfphysics.envs.pictures import SIZE, picture
+from halfphysics.envs.pictures import SIZE, checked_size, picture
 from halfphysics.envs.tasks import task_class
 from halfphysics.errors import InputError
 
@@ -29,7 +29,7 @@ class SingleEnv(_Env):  # type: ignore[misc]
         size: Width and height of pictures [pixels].
 
     Raises:
-        InputError: A task or render mode that there is not, an impossible number.
+        InputError: A task or render mode that there is not, an impossible number or size.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": list(RENDER_MODES), "render_fps": 30}
@@ -43,8 +43,8 @@ class SingleEnv(_Env):  # type: ignore[misc]
         size: tuple[int, int] = SIZE,
     ) -> None:
         self.render_mode = checked_render_mode(render_mode)
+        self.size, self._seeded = checked_size(size), False
         self.task = task_class(task)(1, steps=steps)
-        self.size, self._seeded = size, False
         self.observation_space = self.task.observed.space()
         self.action_space = self.task.actions.space()
 
@@ -96,7 +96,11 @@ def checked_render_mode(mode: Any) -> str | None:
 
 
 def checked_actions(actions: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:
-    """Actions as an array. Raises `InputError` for another shape, or what is no number."""
+    """Actions as an array; what is finite but out of range is cut off later (`Layout.checked`).
+
+    Raises:
+        InputError: Another shape, or what is no finite number.
+    """
     try:
         given = np.asarray(actions, dtype=np.float64)
     except (TypeError, ValueError):

@@ -19,7 +19,7 @@ TASKS: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
         "HandOver": ("hand_over", "a robot arm hands a person a cup"),
         "Corridor": ("corridor", "a robot passes a walking person in a corridor"),
-        "HeldDoor": ("held_door", "a robot holds a door for a person who pushes through"),
+        "HeldDoor": ("held_door", "a robot opens a door for a person and shuts it"),
     }
 )
 

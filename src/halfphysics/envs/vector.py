@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from halfphysics.base.machine import cores
 from halfphysics.base.optional_package import optional
 from halfphysics.base.validation import is_whole, shown
-from halfphysics.envs.pictures import SIZE, picture
+from halfphysics.envs.pictures import SIZE, checked_size, picture
 from halfphysics.envs.single import checked_actions, checked_render_mode
 from halfphysics.envs.tasks import task_class
 from halfphysics.errors import InputError
@@ -36,7 +36,7 @@ class VectorEnv(_Env):  # type: ignore[misc]
         autoreset_mode: When an episode that is over begins again, as gymnasium defines it.
 
     Raises:
-        InputError: A task or mode that there is not, an impossible number.
+        InputError: A task or mode that there is not, an impossible number or size.
     """
 
     metadata: dict[str, Any] = {  # noqa: RUF012 - an instance may have its own
@@ -66,7 +66,7 @@ class VectorEnv(_Env):  # type: ignore[misc]
                 f"autoreset_mode: found {shown(autoreset_mode)}, expected one of {modes}"
             ) from None
         self.metadata = {**type(self).metadata, "autoreset_mode": self._mode}
-        self.num_envs, self.size = num_envs, size
+        self.num_envs, self.size = num_envs, checked_size(size)
         count = cores() if threads is None else threads
         self.task = task_class(task)(num_envs, threads=count, steps=steps)
         self.single_observation_space = self.task.observed.space()

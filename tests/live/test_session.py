@@ -170,3 +170,22 @@ def test_the_first_people_start_where_they_are_put(scene):
     session = Session(scene, body=[hp.Body.default()] * 2, start=[there])
     np.testing.assert_allclose(session.newest.poses["person0"].translation, there.translation)
     assert len(session.newest.poses) == 2
+
+
+def test_who_is_blocked_does_not_fall_behind():
+    """At a wall the target is the newest pose: nothing is queued, and the state does not grow."""
+    scene = hp.Scene()
+    scene.add_static("floor", hp.Plane())
+    scene.add_static("wall", hp.Box((0.2, 6.0, 3.0)), position=(0.6, 0.0, 1.5))
+    session = Session(scene, settings=hp.Settings(blocked="wait"))
+    assert session.simulator.settings.blocked == "continue"
+    first = session.newest.poses["person"]
+    sizes, touched = [], 0
+    for i in range(120):
+        away = hp.Pose(first.translation + np.array([0.01 * i, 0.0, 0.0]), first.rotations)
+        session.offer(IncomingPose("person", away, i / 90.0, None))
+        session.step()
+        sizes.append(session.simulator.world.stepper.save().size)
+        touched += len(session.newest.contacts.part) > 0
+    assert touched > 5
+    assert max(sizes[60:]) < sizes[30] + 1000, "a queue of 30 poses has 6,000 numbers"

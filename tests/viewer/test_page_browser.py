@@ -99,12 +99,16 @@ def once(page):
 def test_the_figure_fills_half_of_the_first_picture(page):
     at(page, 0.0)
     page.page.keyboard.press("0")
-    settled(page)
-    page.page.screenshot(path=page.kept / f"page-{page.name}.png")
-    rows, columns = np.nonzero(drawn(page, "body"))
     height = page.height - (page.height - page.box("#hp-bar")[1])
+    for _ in range(20):  # the camera glides; a busy machine draws few pictures of it
+        settled(page)
+        rows, columns = np.nonzero(drawn(page, "body"))
+        share = np.ptp(np.quantile(rows, [0.002, 0.998])) / height
+        if share < 0.8:
+            break
+    page.page.screenshot(path=page.kept / f"page-{page.name}.png")
     least = 0.46 if page.name == "desktop" else 0.4  # on a phone the width may decide
-    assert least < np.ptp(np.quantile(rows, [0.002, 0.998])) / height < 0.8
+    assert least < share < 0.8
     middle = np.median(columns) / page.width
     assert 0.35 < middle < 0.65
 

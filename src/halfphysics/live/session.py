@@ -11,7 +11,7 @@ import queue
 import threading
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from halfphysics.errors import HalfPhysicsError, InputError
@@ -21,6 +21,7 @@ from halfphysics.live.follow import Follower
 from halfphysics.live.incoming import IncomingPose, Outgoing, Stamp
 from halfphysics.live.mailbox import Mailbox, Refusal
 from halfphysics.live.stance import stance
+from halfphysics.settings import Settings
 from halfphysics.simulation.simulator import Simulator
 
 if TYPE_CHECKING:
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from halfphysics.live.schema import Action
     from halfphysics.motion.pose import Pose
     from halfphysics.scene.scene import Scene
-    from halfphysics.settings import Settings
     from halfphysics.simulation.frame import Frame
 
 logger = logging.getLogger(__name__)
@@ -59,7 +59,8 @@ class Session:
         scene: Statics and objects; None: an empty one.
         body: The body of the person, or a sequence, one each.
         start: The first people's first poses; the others stand beside each other.
-        settings: See `Settings`.
+        settings: See `Settings`; `blocked` is "continue" whatever it says: who moves now does not
+            wait for their body, and poses that wait would be late for ever after.
         fps: Steps per second.
         now: The server's clock [s].
 
@@ -87,6 +88,7 @@ class Session:
         fps: float = 90.0,
         now: Callable[[], float] = time.perf_counter,
     ) -> None:
+        settings = replace(settings or Settings(), blocked="continue")
         self.simulator = Simulator(scene, body=body, settings=settings, fps=fps)
         world = self.simulator.world
         self.people = tuple(person.name for person in world.people)

@@ -48,7 +48,7 @@ def main(out: str | None = None) -> hp.Result:
             Wait(1.0),
         ],
     )
-    result = play([guest, host], scene, seconds=20.0, seed=7)
+    result = play([guest, host], scene, seconds=22.0, seed=7)
     print(result.summary())
     for name, person in zip(result.names[-2:], (guest, host), strict=True):
         state = "sits" if person.sits else "stands"

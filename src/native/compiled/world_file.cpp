@@ -48,18 +48,18 @@ struct Cursor {
 };
 
 Argument argument(Cursor& in) {
-  Argument out{};
-  out.name = in.name(kName);
+  const std::string_view name = in.name(kName);
   const uint32_t type = in.u32();
   if (type < 1 || type > 3) broken("an argument of no known type");
-  out.type = static_cast<Argument::Type>(type);
-  out.dims = in.u32();
+  Argument out{name, static_cast<Argument::Type>(type), in.u32(), {1, 1, 1}, nullptr};
   if (out.dims > 3) broken("an array of more than three dimensions");
   uint64_t count = 1;
   for (uint32_t i = 0; i < 3; i++) {
     const uint64_t length = in.u64();
     if (i >= out.dims && length != 1) broken("an array of another shape than its dimensions");
-    if (length > kMostBytes || (count *= length) > kMostBytes) broken("an impossible size");
+    if (length > kMostBytes) broken("an impossible size");
+    count *= length;
+    if (count > kMostBytes) broken("an impossible size");
     out.shape[i] = length;
   }
   const size_t width = type == 1 ? 4 : type == 2 ? 8 : 1;

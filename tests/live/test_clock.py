@@ -57,6 +57,18 @@ def test_a_pose_is_stepped_when_it_arrives(phase, skew):
     assert max(waits[60:]) < 1e-9
 
 
+@pytest.mark.parametrize("phase", [0.05, 0.3, 0.7, 0.95])
+def test_the_first_pose_gives_the_phase(phase):
+    """No pose waits, the first ones neither."""
+    _, waits = run(DT, phase * DT, 3.0)
+    assert max(waits) < 1e-9
+
+
+def test_who_pauses_on_purpose_hardly_speeds_the_physics_up():
+    steps, _ = run(0.51, 0.01, 20.0)
+    assert (steps[-1] - steps[0]) / (len(steps) - 1) > 0.97 * DT
+
+
 @pytest.mark.parametrize("skew", [1.02, 0.98])
 def test_the_rate_follows_the_sender_within_its_bound(skew):
     steps, waits = run(DT * skew, 0.3 * DT, 5.0)

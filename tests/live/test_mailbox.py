@@ -116,3 +116,13 @@ def test_waiting_ends_with_a_pose():
     box.deliver(pose())  # before anybody waits
     box.wait(20.0)
     assert time.perf_counter() - begun < 10.0
+
+
+def test_poses_of_one_moment_wake_the_step_once(box, monkeypatch):
+    """A step that begins sees all of them: it is woken when the last one is in."""
+    seen = []
+    monkeypatch.setattr(box._wakeup, "wake", lambda: seen.append(sorted(box.take())))
+    assert box.offer_all([pose("ada"), pose("eve"), pose("ben")]) == [None, "unknown", None]
+    assert seen == [["ada", "ben"]]
+    assert box.offer_all([pose("eve")]) == ["unknown"]
+    assert len(seen) == 1

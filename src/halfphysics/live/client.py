@@ -23,6 +23,7 @@ from halfphysics.errors import FileError, InputError
 from halfphysics.live import schema
 from halfphysics.live.incoming import Stamp, Tracking
 from halfphysics.motion.pose import Pose
+from halfphysics.motion.skeleton import N_JOINTS
 
 Array = NDArray[np.float64]
 
@@ -30,6 +31,8 @@ Array = NDArray[np.float64]
 _ANSWERS, _OPENS, _CLOSES = 10.0, 10.0, 1.0
 #: Largest message of a server: its first one has the meshes of the scene [bytes].
 _LARGEST = 256 * 2**20
+#: Axes of all poses of a session.
+_UPRIGHT = np.eye(3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,15 +151,16 @@ class LiveClient:
         known = tracked or {}
         people = {}
         for name, one in poses.items():
-            if not np.array_equal(one.axes, np.eye(3)):
+            if (one.axes != _UPRIGHT).any():
                 raise InputError(
                     f"pose of {name!r}: found axes {one.axes.tolist()}, expected the identity: "
                     "load the motion with Motion.rebased, or send poses in the z-up world"
                 )
             flags = known.get(name)
+            # The encoder takes lists for tuples: making them would cost as much as encoding them.
             people[name] = schema.PersonPose(
-                tuple(one.translation.tolist()),
-                [tuple(row) for row in one.rotations.tolist()],
+                one.translation.tolist(),
+                one.rotations.tolist(),
                 None if flags is None else [bool(flag) for flag in flags],
             )
         self._put(schema.PoseMessage(people, time))
@@ -318,4 +322,11 @@ def _frame(message: schema.FrameMessage) -> LiveFrame:
 
 
 def _pose(translation: list[float], rotations: list[list[float]]) -> Pose:
-    return Pose(np.array(translation), np.array(rotations))
+    """A pose whose numbers the schema has checked; their count is checked here."""
+    place, turns = np.array(translation), np.array(rotations)
+    if place.shape != (3,) or turns.shape != (N_JOINTS, 3):
+        raise InputError(
+            f"frame: found a pose of {place.shape} and {turns.shape} numbers, expected (3,) and "
+            f"({N_JOINTS}, 3): a server of another version"
+        )
+    return Pose.trusted(place, turns, _UPRIGHT)

@@ -108,11 +108,10 @@ class Client:
 
     async def _poses(self, message: schema.PoseMessage) -> bool:
         self.drives = True
-        refused = {}
-        for pose in incoming_poses(message, self.source):
-            reason = self._session.offer(pose)
-            if reason is not None:
-                refused[pose.person] = reason
+        reasons = self._session.offer_all(incoming_poses(message, self.source))
+        refused = {
+            name: why for name, why in zip(message.people, reasons, strict=True) if why is not None
+        }
         busy = frozenset(name for name, why in refused.items() if why == "busy")
         told, self._busy = self._busy, busy
         unknown = sorted(name for name, why in refused.items() if why == "unknown")

@@ -3,8 +3,9 @@
 Steps are `dt` apart. A step may begin up to half of that before its time if all poses that are
 expected are there, and waits for them up to half of that after it. Its phase moves by a share of
 the difference, so that steps come to lie where poses arrive: a pose is stepped at once. The share
-is bounded, so the clock runs at most 5 % faster or slower than the wall's. Missed time is not
-caught up: the simulation falls behind rather than into a backlog.
+is bounded, so the clock runs at most 5 % faster or slower than the wall's. The first pose after a
+pause is stepped at once, wherever it lies, and the clock takes its phase. Missed time is not caught
+up: the simulation falls behind rather than into a backlog.
 """
 
 from __future__ import annotations
@@ -16,6 +17,9 @@ from collections.abc import Callable
 #: Share of `dt` by which a step may be early or late, of a difference that moves the phase, and of
 #: `dt` by which it moves it at most.
 WINDOW, GAIN, MOST = 0.5, 0.2, 0.05
+#: A pause of the poses, after which the clock takes the phase of the next one [s]. It gains a step
+#: by that at most, so that whoever pauses on purpose speeds it up by less than `MOST`.
+PAUSE = 0.5
 
 
 class Clock:
@@ -31,7 +35,7 @@ class Clock:
 
     def __init__(self, dt: float, now: Callable[[], float] = time.perf_counter) -> None:
         self.dt, self._now = dt, now
-        self._due = -math.inf
+        self._due = self._led = -math.inf  # when the last step began that poses gave the time of
         self.missed = 0
 
     @property
@@ -46,12 +50,21 @@ class Clock:
             fresh: All poses that are expected are there.
             expecting: Some pose is expected before `latest`.
         """
+        now = self._now()
+        if fresh and now - self._led > PAUSE:
+            return 0.0
         shift = -WINDOW if fresh else WINDOW if expecting else 0.0
-        return max(self._due + shift * self.dt - self._now(), 0.0)
+        return max(self._due + shift * self.dt - now, 0.0)
 
     def begin(self, fresh: bool) -> None:
         """A step begins now. `fresh`: since the poses are there."""
         now = self._now()
+        paused = now - self._led > PAUSE
+        if fresh:
+            self._led = now
+            if paused and now < self._due:
+                self._due = now + self.dt
+                return
         if self._due == -math.inf or now - self._due > 1.5 * self.dt:
             if self._due > -math.inf:
                 self.missed += int((now - self._due) / self.dt)

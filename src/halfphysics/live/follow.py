@@ -12,6 +12,7 @@ reached when the next one is expected.
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -177,10 +178,11 @@ class Follower:
 
 def _fast(before: tuple[Array, Array], after: tuple[Array, Array], passed: float) -> bool:
     """Whether nobody moves that fast: from one goal to the next within `passed` [s]."""
-    if np.linalg.norm(after[0] - before[0]) > JUMP_ROOT * passed:
+    if math.dist(after[0], before[0]) > JUMP_ROOT * passed:
         return True
     change, bound = after[1] - before[1], JUMP_JOINT * passed
-    # A rotation vector near half a turn may flip: only then is the angle itself worked out.
-    if np.einsum("ij,ij->i", change, change).max() <= bound * bound:
+    # No rotation vector has changed by more than the bound: then no angle has, and that is quick
+    # to see. One near half a turn may flip: only then are the angles themselves worked out.
+    if np.abs(change).max() <= bound / math.sqrt(3.0):
         return False
     return bool(rot.angles(before[1], after[1]).max() > min(bound, np.pi))

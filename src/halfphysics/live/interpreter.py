@@ -9,8 +9,8 @@ import sys
 from collections.abc import Iterator
 
 #: How long a thread may keep the interpreter while another waits for it [s]. Python's 5 ms would
-#: be half of a frame.
-SWITCH = 0.0005
+#: be half of a frame; what a step does after its frame was handed over takes some 0.1 ms.
+SWITCH = 0.0001
 #: Parameters of glibc's mallopt, M_TRIM_THRESHOLD and M_MMAP_THRESHOLD [bytes]. A step needs less;
 #: with the 128 KiB that glibc begins with, it would get its memory anew at every step.
 _GIVEN_BACK = {-1: 4 * 2**20, -3: 2**20}

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from halfphysics.live.incoming import IncomingPose
+from halfphysics.live.wakeup import Wakeup
 
 #: A pose whose time is farther back than this belongs to a sender that started again [s].
 _RESTART = 1.0
@@ -79,8 +80,8 @@ class Mailbox:
     def __init__(self, people: Sequence[str], now: Callable[[], float] = time.perf_counter) -> None:
         self._now = now
         self._slots = {name: _Slot() for name in people}
-        self._changed = threading.Condition()
-        self._woken = False
+        self._changed = threading.Lock()
+        self._wakeup = Wakeup()
         self.counts = Counts()
 
     # -- from any thread -----------------------------------------------------------------
@@ -91,23 +92,15 @@ class Mailbox:
 
     def offer(self, pose: IncomingPose) -> Refusal | None:
         """Put a pose in, unless there is a reason against it, which is returned."""
+        return self.offer_all([pose])[0]
+
+    def offer_all(self, poses: Sequence[IncomingPose]) -> list[Refusal | None]:
+        """`offer` for poses of one moment: the step sees all of them or none."""
         with self._changed:
-            slot = self._slots.get(pose.person)
-            if slot is None:
-                self.counts.unknown += 1
-                return "unknown"
-            now = self._now()
-            other = slot.source is not None and pose.source != slot.source
-            if other and now - slot.received < SILENT:
-                self.counts.busy += 1
-                return "busy"
-            if not other and _is_late(pose.time, slot.time):
-                self.counts.late += 1
-                return "late"
-            self._put(slot, pose, now)
-            self._woken = True
-            self._changed.notify()
-            return None
+            refused = [self._refusal(pose) for pose in poses]
+        if None in refused:
+            self._wakeup.wake()
+        return refused
 
     def release(self, source: str) -> None:
         """A source has gone: others may take over its people at once."""
@@ -118,18 +111,13 @@ class Mailbox:
 
     def wake(self) -> None:
         """Let `wait` return, since there is something else to do."""
-        with self._changed:
-            self._woken = True
-            self._changed.notify()
+        self._wakeup.wake()
 
     # -- by the thread that steps --------------------------------------------------------
 
     def wait(self, seconds: float) -> None:
         """Wait until a pose arrives or somebody wakes us, at most so long."""
-        with self._changed:
-            if not self._woken:
-                self._changed.wait(seconds)
-            self._woken = False
+        self._wakeup.wait(seconds)
 
     def take(self) -> dict[str, Arrival]:
         """Name of a person -> its newest pose, of those that have a new one."""
@@ -173,6 +161,22 @@ class Mailbox:
         if slot.interval == 0.0 or self._now() - slot.received > 3.0 * slot.interval:
             return float("inf")
         return slot.received + 0.8 * slot.interval
+
+    def _refusal(self, pose: IncomingPose) -> Refusal | None:
+        slot = self._slots.get(pose.person)
+        if slot is None:
+            self.counts.unknown += 1
+            return "unknown"
+        now = self._now()
+        other = slot.source is not None and pose.source != slot.source
+        if other and now - slot.received < SILENT:
+            self.counts.busy += 1
+            return "busy"
+        if not other and _is_late(pose.time, slot.time):
+            self.counts.late += 1
+            return "late"
+        self._put(slot, pose, now)
+        return None
 
     def _put(self, slot: _Slot, pose: IncomingPose, now: float) -> None:
         gap = now - slot.received

@@ -107,13 +107,15 @@ class LiveServer:
         with contextlib.ExitStack() as started:
             if recorder is not None:
                 started.callback(recorder.close)
-                session.listen(recorder.add)
-            session.listen(self.latency.add)
+            # In the order in which they are told: those who wait for the frame come first.
             self.server.start()
             started.callback(self.server.stop)
             for sender in self._senders(forward):
                 session.listen(sender.send)
                 started.callback(sender.stop)
+            session.listen(self.latency.add)
+            if recorder is not None:
+                session.listen(recorder.add)
             for receiver in self._receivers(listen):
                 receiver.start(session.deliver)
                 started.callback(receiver.stop)

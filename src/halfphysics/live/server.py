@@ -12,14 +12,16 @@ from collections import defaultdict
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from websockets.asyncio.server import ServerConnection, broadcast, serve
+from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 
 from halfphysics.errors import FileError, InputError
 from halfphysics.live import schema
+from halfphysics.live.broadcast import broadcast
 from halfphysics.live.clients import Client
 from halfphysics.live.safety import MOST_CLIENTS, MOST_WAITING, Gate, Refusal
 from halfphysics.live.scene_items import person_item, scene_items
+from halfphysics.live.scheduling import short_slices
 from halfphysics.live.wire import frame_message
 
 if TYPE_CHECKING:
@@ -116,6 +118,7 @@ class Server:
     # -- by the thread that talks --------------------------------------------------------
 
     async def _main(self, listening: socket.socket, ready: threading.Event) -> None:
+        short_slices()
         self._loop, self._ending = asyncio.get_running_loop(), asyncio.Event()
         async with serve(
             self._serve,

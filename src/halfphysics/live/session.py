@@ -20,6 +20,7 @@ from halfphysics.live.edits import Editor
 from halfphysics.live.follow import Follower
 from halfphysics.live.incoming import IncomingPose, Outgoing, Stamp
 from halfphysics.live.mailbox import Mailbox, Refusal
+from halfphysics.live.scheduling import short_slices
 from halfphysics.live.stance import stance
 from halfphysics.settings import Settings
 from halfphysics.simulation.simulator import Simulator
@@ -123,6 +124,10 @@ class Session:
         """Hand a pose over; returns the reason if it is not wanted."""
         return self.mailbox.offer(pose)
 
+    def offer_all(self, poses: Sequence[IncomingPose]) -> list[Refusal | None]:
+        """`offer` for poses of one moment, which are stepped together."""
+        return self.mailbox.offer_all(poses)
+
     def deliver(self, pose: IncomingPose) -> None:
         """`Deliver` for receivers."""
         self.mailbox.offer(pose)
@@ -175,6 +180,7 @@ class Session:
     # -- by the thread that steps --------------------------------------------------------
 
     def _run(self) -> None:
+        short_slices()
         while self._running:
             fresh = self.mailbox.fresh(self.clock.latest)
             expecting = not fresh and self.mailbox.expecting(self.clock.latest)

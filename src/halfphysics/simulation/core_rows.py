@@ -69,10 +69,9 @@ def contact_rows(world: Named, rows: Array) -> tuple[ContactRows, NDArray[np.int
         The contacts (m,), and for each the row it comes from (m,).
     """
     shape, static, shape2 = rows[:, :3].astype(np.int64).T
-    # One more entry for index -1: the core's rows have either a static or a second shape.
-    static_name = np.append(world.static_name, -1)
-    shape_name = np.append(world.shape_name, -1)
-    shape_part = np.append(world.shape_part, -1)
+    # The core's rows have either a static or a second shape: what is read at index -1 is not used.
+    static_name = world.static_name if len(world.static_name) else np.array([-1])
+    shape_name, shape_part = world.shape_name, world.shape_part
     first_person = len(world.names) - len(world.people)
     name, part = shape_name[shape], shape_part[shape]
     fixed = static >= 0
@@ -80,6 +79,18 @@ def contact_rows(world: Named, rows: Array) -> tuple[ContactRows, NDArray[np.int
     other_part = np.where(fixed, -1, shape_part[shape2])
     human = name >= first_person
     both = human & (other >= first_person)
+    if not both.any():  # as in most frames: each row stays one
+        contacts = ContactRows(
+            person=np.where(human, name - first_person, -1),
+            part=part,
+            subject=np.where(human, -1, name),
+            other=other,
+            other_part=other_part,
+            position=rows[:, 3:6].copy(),
+            normal=rows[:, 6:9].copy(),
+            impulse=rows[:, 9:12].copy(),
+        )
+        return contacts, np.arange(len(rows))
 
     row = np.repeat(np.arange(len(rows)), 1 + both)
     twin = np.zeros(len(row), dtype=bool)

@@ -12,6 +12,8 @@ import numpy as np
 import halfphysics as hp
 from halfphysics import scenarios
 from halfphysics.live.client import connect
+from halfphysics.live.interpreter import SWITCH
+from halfphysics.live.scheduling import short_slices
 
 #: The second person walks beside the first, so that both meet walls and the table [m].
 BESIDE = np.array([0.0, 0.8, 0.0])
@@ -64,7 +66,8 @@ def drive(url: str, seconds: float, fps: float = 90.0) -> Driven:
     """Send poses of two people at a rate and wait for each to come back."""
     poses, driven = two_people(fps), Driven()
     interval = sys.getswitchinterval()
-    sys.setswitchinterval(0.0005)
+    sys.setswitchinterval(SWITCH)
+    short_slices()  # as the server's threads: a client in a hurry does so too
     gc.collect()
     gc.freeze()
     try:

@@ -968,6 +968,9 @@ constexpr double kTriesAgain = 1.0;
 constexpr double kYieldSpeed = 0.2, kYieldTurn = 1.0;
 // How long somebody waits before going on [s].
 constexpr double kPatience = 3.0;
+// Who lags by more than the first catches up at this rate where nothing is in the way, and nobody lags by more
+// than the second [s]: three waits in a row, and as much again. A pose that waits takes 1.8 kB.
+constexpr double kLate = 10.0, kLatest = 20.0, kCatchUp = 1.25;
 // Times that differ by less than this share are the same.
 constexpr double kSameTime = 1e-9;
 

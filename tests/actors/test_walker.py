@@ -54,9 +54,9 @@ def test_a_step_begins_and_ends_at_rest():
     to = walker.placed(Foothold(0.3, 0.0, 0.0), "left")
     walker.step("left", to, None, 0.6)
     heights = []
-    while not walker.advance(0.01):
+    while (ended := walker.advance(0.01)) is None:
         heights.append(walker.now().feet[0].ankle[2])
-    walker.land()
+    walker.land(ended)
     assert not walker.stepping
     assert walker.hold("left") == to
     assert walker.centre.x == pytest.approx(0.15)

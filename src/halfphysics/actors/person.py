@@ -92,14 +92,13 @@ class Person:
             raise InputError(f"Person.reset: expected a seed of at least 0, found {shown(seed)}")
         self._walker.stand_at(self._start)
         self._way.begin()
-        self._poise.begin(int(seed))
+        self._pose = self._poise.begin(int(seed), self._walker.now())
         self.seen, self.time, self.dt = Seen(), 0.0, 0.0
         self._goals = deque(self._first_goals)
         self._task: Task | None = None
         self._reason = ""
         self._given_up: tuple[GivenUp, ...] = ()
         self._looks_at: Target | None = None
-        self._pose = self._poise.pose(self._walker.now())
         return self._pose
 
     def restart(self, pose: Pose) -> Pose:

@@ -9,7 +9,6 @@ import numpy as np
 
 from halfphysics.actors.figure import (
     ArmTurns,
-    Chest,
     Figure,
     Trunk,
     swinging_arm,
@@ -46,21 +45,14 @@ class Poise:
 
     def __init__(self, body: Body, figure: Figure) -> None:
         self._body, self._figure = body, figure
-        self.begin(0)
 
-    def begin(self, seed: int) -> None:
-        """Stand with arms that hang; the sway is drawn from a seed."""
+    def begin(self, seed: int, stand: Stand) -> Pose:
+        """Stand with arms that hang; to be called first. The sway is drawn from a seed."""
         self.seat, self._stoop, self._look = Seat(), Stoop(), Look()
         self.reaches = {side: Reach(self._body, self._figure, side) for side in SIDES}
         self._phases = np.random.default_rng(seed).uniform(0.0, 2.0 * math.pi, 4).tolist()
         self._time = 0.0
-        self._chest: Chest | None = None
-
-    @property
-    def chest(self) -> Chest:
-        """As of the last pose."""
-        assert self._chest is not None
-        return self._chest
+        return self.pose(stand)
 
     def palm(self, side: str) -> Vec:
         """Where a palm was in the last pose [m]."""
@@ -68,7 +60,7 @@ class Poise:
 
     def lacks(self, side: str, point: Vec) -> float:
         """What a stretched arm lacks to a point without leaning any farther [m]."""
-        _, shoulder = self._figure.shoulder(side, self.chest, self._arms[side].collar)
+        _, shoulder = self._figure.shoulder(side, self._chest, self._arms[side].collar)
         length = self._figure.arms[side].length + 0.9 * self.reaches[side].hand
         return math.dist(shoulder, point) - length
 
@@ -86,7 +78,7 @@ class Poise:
         for reach in self.reaches.values():
             reach.advance(dt)
         self._stoop.advance(dt, self._need(stand))
-        self._look.advance(dt, self.chest, self._figure.eyes, at, ahead)
+        self._look.advance(dt, self._chest, self._figure.eyes, at, ahead)
 
     def _need(self, stand: Stand) -> tuple[float, Vec, Vec, float, float] | None:
         """Of the hand that has most to go: see `Stoop.advance`."""
@@ -94,7 +86,7 @@ class Poise:
         for side, reach in self.reaches.items():
             if reach.point is None:
                 continue
-            _, shoulder = self._figure.shoulder(side, self.chest, self._arms[side].collar)
+            _, shoulder = self._figure.shoulder(side, self._chest, self._arms[side].collar)
             length = self._figure.arms[side].length + 0.9 * reach.hand
             lacks = self.lacks(side, reach.point)
             needs.append((lacks, (length, shoulder, reach.point, SIGN[side], stand.yaw)))

@@ -192,19 +192,17 @@ class Walker:
             bump = min(bump, free / arch(u))
         step.bump = max(bump, _DIP)
 
-    def advance(self, dt: float) -> bool:
-        """Go on by `dt` [s]; whether a step has ended: the next is to begin, or it stands."""
+    def advance(self, dt: float) -> Step | None:
+        """Go on by `dt` [s]. Returns the step if it has ended: it is to `land`."""
         step = self._step
         if step is None:
-            return False
+            return None
         self._pace += (self._wanted - self._pace) * (1.0 - math.exp(-dt / _PACE_TIME))
         self._phase += dt * self._pace
-        return self._phase >= step.start + 1.0
+        return step if self._phase >= step.start + 1.0 else None
 
-    def land(self) -> None:
-        """End the step under way, where `advance` said that it has ended."""
-        step = self._step
-        assert step is not None
+    def land(self, step: Step) -> None:
+        """End a step: the next is to begin, or the person stands."""
         self._feet[step.side] = step.after
         self._knot, self._step = step.last, None
         if step.last.rate == (0.0, 0.0, 0.0):

@@ -53,6 +53,9 @@ _HOME = 0.02
 # remembered so long [s].
 _AROUND, _REMEMBERED = 0.2, 12.0
 
+#: Where to go, how to face there [rad] (None: as it comes), and how fast, as a share of the usual.
+Destination = tuple[Point, float | None, float]
+
 
 class Way:
     """The way of one person.
@@ -68,7 +71,7 @@ class Way:
 
     def begin(self) -> None:
         """Forget everything; the person stands."""
-        self._goal: tuple[Point, float | None, float] | None = None
+        self._goal: Destination | None = None
         self._aim: Aim | None = None
         self._catching = False
         self._home = self._walker.centre
@@ -139,8 +142,9 @@ class Way:
         self._notice(dt, seen, body, offset)
         self._be_patient(dt, body)
         walker = self._walker
-        if walker.advance(dt * self._slowed):
-            walker.land()
+        ended = walker.advance(dt * self._slowed)
+        if ended is not None:
+            walker.land(ended)
         if walker.stepping or not free:
             return
         step = self._next(seen, body, offset)
@@ -150,7 +154,7 @@ class Way:
     def _next(self, seen: Seen, body: Array, offset: Array) -> Next | None:
         tries = self._aim is not None or self._tried <= GIVES_UP
         if self._goal is not None and not self._catching and self._wait <= 0.0 and tries:
-            self._look_ahead(seen)
+            self._look_ahead(seen, self._goal)
         if self._aim is None:
             step = stopping(self._walker)
             if step is None:
@@ -254,10 +258,9 @@ class Way:
             for across in (-around, 0.0, around):
                 self._met.append((at + _AROUND * way + across * side, _REMEMBERED))
 
-    def _look_ahead(self, seen: Seen) -> None:
-        """Find the way, or another one where people are in it."""
-        assert self._goal is not None
-        to, heading, speed = self._goal
+    def _look_ahead(self, seen: Seen, goal: Destination) -> None:
+        """Find the way to a goal, or another one where people are in it."""
+        to, heading, speed = goal
         centre = self._walker.centre
         here = Point(centre.x, centre.y)
         if self._aim is not None and not self._others.in_the_way(self._aim.path, here):

@@ -18,9 +18,7 @@ from halfphysics.envs.channels import XY, Channel, Layout
 from halfphysics.envs.robots import BASE_EFFORT, BASE_XML, efforts, model_of
 from halfphysics.envs.task import Flags, Outcome, Task, View
 from halfphysics.envs.walkers import FASTEST, Walkers
-from halfphysics.envs.worlds import Plan
-from halfphysics.geometry.shapes import Box, Plane
-from halfphysics.scene.scene import Scene
+from halfphysics.envs.worlds import PERSON, Plan, add_walls, room
 
 Array = NDArray[np.float64]
 
@@ -86,23 +84,15 @@ class Corridor(Task):
 
     def plan(self) -> Plan:
         self.body = Body.default()
-        scene = Scene()
-        scene.add_static("floor", Plane())
-        for name, side in (("left_wall", 1.0), ("right_wall", -1.0)):
-            wall = Box((2.0 * HALF_LENGTH, 0.1, 0.9))
-            scene.add_static(name, wall, position=(0.0, side * (HALF_WIDTH + 0.05), 0.45))
+        scene = room()
+        add_walls(scene, (2.0 * HALF_LENGTH, 0.1, 0.9), HALF_WIDTH + 0.05)
         scene.add_articulated("robot", model_of(BASE_XML), friction=0.3)
         return Plan(
             scene=scene,
             bodies=(self.body,),
             motors=efforts("robot", BASE_EFFORT),
             watched=("robot/base", "person/pelvis"),
-            groups={
-                "robot": ("robot/*",),
-                "walls": ("*_wall",),
-                "feet": ("person/*_ankle", "person/*_foot"),
-                "person": ("person/*",),
-            },
+            groups={"robot": ("robot/*",), "walls": ("*_wall",), **PERSON},
         )
 
     def prepare(self) -> None:

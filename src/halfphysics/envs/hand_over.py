@@ -18,9 +18,8 @@ from halfphysics.envs.channels import XYZ, Channel, Layout
 from halfphysics.envs.reachers import Reachers
 from halfphysics.envs.robots import ARM, ARM_XML, efforts, model_of
 from halfphysics.envs.task import Flags, Outcome, Task, View
-from halfphysics.envs.worlds import Plan
-from halfphysics.geometry.shapes import Cylinder, Plane
-from halfphysics.scene.scene import Scene
+from halfphysics.envs.worlds import PERSON, Plan, room
+from halfphysics.geometry.shapes import Cylinder
 from halfphysics.settings import Settings
 
 Array = NDArray[np.float64]
@@ -106,8 +105,7 @@ class HandOver(Task):
 
     def plan(self) -> Plan:
         self.body = Body.default()
-        scene = Scene()
-        scene.add_static("floor", Plane())
+        scene = room()
         scene.add_articulated(
             "robot",
             model_of(ARM_XML),
@@ -126,8 +124,7 @@ class HandOver(Task):
                 "fingers": ("robot/left", "robot/right"),
                 "robot": ("robot/*",),
                 "cup": ("cup",),
-                "feet": ("person/*_ankle", "person/*_foot"),
-                "person": ("person/*",),
+                **PERSON,
             },
         )
 

@@ -21,9 +21,7 @@ from halfphysics.envs.channels import XY, Channel, Layout
 from halfphysics.envs.robots import BASE_EFFORT, FORK, HOLDER_XML, efforts, model_of
 from halfphysics.envs.task import Flags, Outcome, Task, View
 from halfphysics.envs.walkers import FASTEST, Walkers
-from halfphysics.envs.worlds import Plan
-from halfphysics.geometry.shapes import Box, Plane
-from halfphysics.scene.scene import Scene
+from halfphysics.envs.worlds import PERSON, Plan, add_walls, room
 
 Array = NDArray[np.float64]
 
@@ -116,11 +114,8 @@ class HeldDoor(Task):
 
     def plan(self) -> Plan:
         self.body = Body.default()
-        scene = Scene()
-        scene.add_static("floor", Plane())
-        for name, side in (("left_wall", 1.0), ("right_wall", -1.0)):
-            wall = Box((0.10, 1.0, 2.1))
-            scene.add_static(name, wall, position=(0.0, side * (0.48 + 0.5), 1.05))
+        scene = room()
+        add_walls(scene, (0.10, 1.0, 2.1), 0.98)
         scene.add_articulated("door", model_of(_DOOR), position=(*HINGE, 0.0), friction=0.4)
         scene.add_articulated("robot", model_of(HOLDER_XML), friction=0.4)
         return Plan(
@@ -128,12 +123,7 @@ class HeldDoor(Task):
             bodies=(self.body,),
             motors=efforts("robot", BASE_EFFORT),
             watched=("robot/base", "person/pelvis", "door/panel"),
-            groups={
-                "robot": ("robot/*",),
-                "door": ("door/*",),
-                "feet": ("person/*_ankle", "person/*_foot"),
-                "person": ("person/*",),
-            },
+            groups={"robot": ("robot/*",), "door": ("door/*",), **PERSON},
         )
 
     def prepare(self) -> None:

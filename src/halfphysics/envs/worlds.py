@@ -13,9 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from halfphysics import _native
 from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
+from halfphysics.geometry.shapes import Box, Plane
 from halfphysics.motion.pose import Pose
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
 from halfphysics.results.moment import Figure, Moment, standing_still, tracks
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
 from halfphysics.simulation import holding, live_edits
 from halfphysics.simulation.build_world import build_world
@@ -24,12 +26,31 @@ from halfphysics.simulation.core_rows import ContactRows, contact_rows
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
-    from halfphysics.scene.scene import Scene
     from halfphysics.simulation.world import World
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Placed = tuple[ArrayLike, ArrayLike]
+
+
+#: Groups of a person, to be the last of `Plan.groups`: of two that fit the first counts.
+PERSON: Mapping[str, tuple[str, ...]] = {
+    "feet": ("person/*_ankle", "person/*_foot"),
+    "person": ("person/*",),
+}
+
+
+def room() -> Scene:
+    """A floor."""
+    scene = Scene()
+    scene.add_static("floor", Plane())
+    return scene
+
+
+def add_walls(scene: Scene, size: tuple[float, float, float], y: float) -> None:
+    """Two walls on the floor, `left_wall` and `right_wall`, with their middles at y and -y [m]."""
+    for name, side in (("left_wall", y), ("right_wall", -y)):
+        scene.add_static(name, Box(size), position=(0.0, side, 0.5 * size[2]))
 
 
 @dataclass(frozen=True, kw_only=True)

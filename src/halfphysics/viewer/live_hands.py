@@ -92,9 +92,6 @@ class LiveHands:
         return turned
 
     def _let_drag(self, name: str) -> None:
-        stage = self._view.stage
-        assert stage is not None
-
         # Handled in order by the event loop: in the thread pool an end may overtake a start.
         async def dragged(event: Any) -> None:
             pointer = tuple(float(x) for x in event.end_position)
@@ -105,7 +102,7 @@ class LiveHands:
                 end = None if event.phase == "end" else pointer
                 self._asked.put(Drag(name, end))  # type: ignore[arg-type]
 
-        stage.object(name).on_drag("left")(dragged)
+        self._view.stage.object(name).on_drag("left")(dragged)
 
     def _run(self) -> None:
         while not self._ending.is_set():

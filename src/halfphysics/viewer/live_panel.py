@@ -56,9 +56,8 @@ class LivePanel:
         for handle in self._own:
             handle.remove()
         self._own = []
-        stage = self._view.stage
         with self._show:
-            for name, layer in (stage.layers if stage is not None else {}).items():
+            for name, layer in self._view.stage.layers.items():
                 layer.visible = self._layers.setdefault(name, layer.visible)
                 box = self._gui.add_checkbox(layer.label, layer.visible)
                 box.on_update(self._shows(name))
@@ -105,8 +104,7 @@ class LivePanel:
         def shows(event: Any) -> None:
             def task() -> None:
                 self._layers[name] = event.target.value
-                stage = self._view.stage
-                layer = stage.layers.get(name) if stage is not None else None
+                layer = self._view.stage.layers.get(name)
                 if layer is not None:
                     layer.visible = event.target.value
 

@@ -49,6 +49,7 @@ class LiveView(Served):
         HalfPhysicsError: Nothing answers at the address, no port is free, viser is missing.
     """
 
+    stage: Stage
     _what = "the live session is shown"
     _height = 640
 
@@ -61,7 +62,6 @@ class LiveView(Served):
         self._scenes, self._frame = -1, -1
         self._last = 0.0
         self._wardrobe = Wardrobe()
-        self.stage: Stage | None = None
         try:
             super().__init__("halfphysics live", host, port)
         except BaseException:
@@ -72,7 +72,7 @@ class LiveView(Served):
             self.hands = LiveHands(self) if hands else None
             self.panel = LivePanel(self)
             self.remote = Remote(self.server.gui, self.obey)
-            self._set_stage()
+            self._set_stage(None)
         self.reader.woken = self._wake.set
 
     def stop(self) -> None:
@@ -97,7 +97,7 @@ class LiveView(Served):
             return
         if self._scenes != self.reader.scenes:
             try:
-                self._set_stage()
+                self._set_stage(self.stage)
             except HalfPhysicsError as error:
                 self.panel.trouble = f"The scene cannot be drawn: {error}"
         self.cameras.watch()
@@ -109,7 +109,7 @@ class LiveView(Served):
 
     def _show(self, frame: LiveFrame) -> None:
         """Show a frame, if it is new."""
-        if frame.frame == self._frame or self.stage is None:
+        if frame.frame == self._frame:
             return
         if self._frame >= 0:
             self.skipped += max(frame.frame - self._frame - 1, 0)
@@ -136,13 +136,13 @@ class LiveView(Served):
         self.cameras.follow()
         self.remote.tell_now(points=points)
 
-    def _set_stage(self) -> None:
-        """Build the stage of the session's present people and objects."""
+    def _set_stage(self, old: Stage | None) -> None:
+        """Build the stage of the session's present people and objects, in place of an old one."""
         self._scenes = self.reader.scenes
         hello, frame = self.reader.hello, self.reader.frame
         self.people = [LivePerson(item) for item in hello.people]
         drawing = drawing_of(hello, self.people, frame)
-        old, prefix = self.stage, f"/live{self._scenes}"
+        prefix = f"/live{self._scenes}"
         row = arrange([drawing], _PICTURE)
         with self.server.atomic():
             if old is not None:
@@ -181,7 +181,6 @@ class LiveView(Served):
 
     def _introduce(self) -> None:
         """Tell the script of the page who is there."""
-        assert self.stage is not None
         self.remote.tell(
             data={
                 "title": f"{self.reader.url} | halfphysics",

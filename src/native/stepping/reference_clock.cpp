@@ -26,12 +26,16 @@ void ReferenceClock::decide(Vec3 displaced, bool touched, bool stands, bool roun
   rate_ = std::min(1.0, most), eager_ = std::min(1.0, most_eager);
   if (behind < tune::kBehind) impatient_ = false, waited_ = 0;
   if (behind >= tune::kBehind && round) impatient_ = true;
+  const double late = lag();
+  if (behind < tune::kBehind && !touched && late > tune::kLate)
+    rate_ = std::min(tune::kCatchUp, most);
   if (behind < tune::kBehind || (!touched && waited_ == 0) || impatient_) return;
   const double share = std::max(0.0, (tune::kBlocked - behind) / (tune::kBlocked - tune::kBehind));
   waited_ += (1 - share) * dt;
   impatient_ = waited_ > tune::kPatience;
   if (untouched_ < tune::kTriesAgain) eager_ = std::min(share, most_eager);
   rate_ = std::min(stands ? share : std::max(share, tune::kSlowest), most);
+  rate_ = std::max(rate_, std::min(1.0, late - (tune::kLatest - 1)));
 }
 
 void ReferenceClock::move_on(const PersonDofs& dofs, double time) {

@@ -12,6 +12,13 @@
 // on whatever is in the way, until back on the path. It goes on as a person starts to walk: the rate grows by
 // kSpeedUp at most. A clock that never lags changes no bit.
 //
+// The queue is bounded, or an endless simulation would grow for ever: who lags by more than kLate and has
+// nothing in the way goes at kCatchUp until the lag is less, and in the last second before kLatest waiting ends:
+//
+//   rate >= lag - (kLatest - 1 s), 1 at kLatest.
+//
+// So no pose is left out, and none waits for longer than kLatest.
+//
 // A clock that slows down takes velocity from the motion, and not from the body: it has its momentum until
 // something outside takes it. The drive keeps what the root loses, slowed() of its velocity, as deviation
 // (Drive::begin_frame); joints, whose muscles are inside, slow down with the clock.
@@ -37,7 +44,7 @@ class ReferenceClock {
   // How far the reference is behind [s], and how much of its time has passed in this frame [s].
   double lag() const;
   double passed() const { return passed_; }
-  // How fast it goes: 1 as time does, 0 where it stands.
+  // How fast it goes: 1 as time does, 0 where it stands, over 1 where it catches up.
   double rate() const { return rate_; }
   // Share of its pace at which the person is to go back to its path.
   double eager() const { return eager_; }

@@ -109,3 +109,40 @@ def test_saved_and_loaded_with_its_clock(tmp_path):
     assert np.array_equal(loaded.clock, result.clock)
     assert np.array_equal(loaded.people[0].corrected, result.people[0].corrected)
     assert loaded.settings == result.settings
+
+
+LATE, LATEST, CATCH_UP = 10.0, 20.0, 1.25  # tuning::footing: kLate, kLatest, kCatchUp
+
+
+def against_the_wall(times, stands, fps=15.0):
+    """Into a wall and back, so many times, and then so many frames of standing."""
+    motion = walk(frames=1000, fps=fps, stop=3.0)
+    there = np.arange(len(motion))
+    every = np.r_[np.tile(np.r_[there, there[-2:0:-1]], times), np.zeros(stands, dtype=int)]
+    return hp.Motion(motion.translation[every], motion.rotations[every], fps)
+
+
+def test_who_is_blocked_again_and_again_is_late_by_a_bounded_time():
+    """And comes back in time where nothing is in the way: no pose is left out."""
+    result = hp.simulate(against_the_wall(9, 450), room(**WALL), body=BODY)
+    lag = np.arange(len(result)) / result.fps - result.clock
+    assert LATEST - 1.0 < lag.max() <= LATEST + 1e-9
+    rate = np.diff(result.clock) * result.fps
+    assert rate.min() > -1e-9
+    assert rate.max() == pytest.approx(CATCH_UP)
+    assert np.diff(lag[-150:]) == pytest.approx((1.0 - CATCH_UP) / result.fps)
+    # Where it was on time it did not hurry: the clock is over 1 only where the lag is over kLate.
+    assert lag[1:][rate > 1.0 + 1e-9].min() > LATE - 1.0
+
+
+def test_the_state_of_an_endless_simulation_is_bounded():
+    """Poses that wait: not more than kLatest of them, whatever is asked for how long."""
+    motion = against_the_wall(9, 0)
+    simulator = hp.Simulator(room(**WALL), body=BODY, fps=motion.fps)
+    simulator.reset(motion[0])
+    empty = len(simulator.get_state().numbers)
+    for k in range(1, len(motion)):
+        simulator.step(motion[k])
+    waiting = len(simulator.get_state().numbers) - empty
+    one = 8 * (simulator.world.nq + 1)  # a pose and its time [bytes]
+    assert waiting < (LATEST * motion.fps + 2) * one + 50_000  # contacts of the moment: 20 kB

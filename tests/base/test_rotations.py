@@ -90,3 +90,12 @@ def test_any_leading_shape():
     np.testing.assert_allclose(rot.from_matrix(rot.to_matrix(quaternions)), theirs, atol=1e-13)
     assert rot.normalize(3.0 * quaternions).shape == (2, 3, 4, 4)
     np.testing.assert_allclose(rot.normalize(3.0 * quaternions), quaternions, atol=ROUNDING)
+
+
+@pytest.mark.parametrize("shape", [(), (1,), (7, 5), (0,)])
+def test_cross_products_are_those_of_numpy(shape):
+    """Bit for bit, broadcast too."""
+    numbers = np.random.default_rng(0)
+    a, b, c = numbers.normal(size=(*shape, 3)), numbers.normal(size=(*shape, 3)), np.arange(3.0)
+    for x, y in ((a, b), (a, c), (c, a)):
+        assert np.array_equal(rot.cross(x, y), np.cross(x, y))

@@ -14,35 +14,18 @@ import mujoco
 import numpy as np
 
 import halfphysics as hp
-from support.mujoco_worlds import HEIGHT, WRIST, t_pose
+from halfphysics.bench.robot_arm import robot_arm
+from support.mujoco_worlds import FLOOR, HEIGHT, WRIST, t_pose
 
 #: Largest imbalance of momentum [N s], [N m s], over a run and in a step.
 BALANCE = 1e-9
 
-ARM = f"""
-<mujoco>
-  <option timestep="0.002" integrator="implicitfast"/>
-  <worldbody>
-    <geom name="floor" type="plane" size="5 5 0.1"/>
-    <body name="base" pos="-1.1 -0.45 {HEIGHT + WRIST}">
-      <body name="upper">
-        <joint name="yaw" axis="0 0 1" damping="2"/>
-        <geom name="upper" type="capsule" fromto="0 0 0 0 0.35 0" size="0.04" mass="3"/>
-        <body name="fore" pos="0 0.35 0">
-          <joint name="elbow" axis="0 0 1" damping="1"/>
-          <geom name="fore" type="capsule" fromto="0 0.1 0 0 0.35 0" size="0.035" mass="2"/>
-          <site name="pad" type="box" pos="0 0.2 0" size="0.1 0.4 0.1"/>
-        </body>
-      </body>
-    </body>
-  </worldbody>
-  <actuator>
-    <position joint="yaw" kp="400" dampratio="1" forcerange="-60 60"/>
-    <position joint="elbow" kp="200" dampratio="1" forcerange="-60 60"/>
-  </actuator>
-  <sensor><touch site="pad"/></sensor>
-</mujoco>
-"""
+ARM = robot_arm(
+    f"-1.1 -0.45 {HEIGHT + WRIST}",
+    fore='<site name="pad" type="box" pos="0 0.2 0" size="0.1 0.4 0.1"/>',
+    world=FLOOR,
+    more='<sensor><touch site="pad"/></sensor>',
+)
 _ALL = mujoco.mjtState.mjSTATE_INTEGRATION
 
 

@@ -35,16 +35,13 @@ def multiply(a: ArrayLike, b: ArrayLike) -> Array:
     """Hamilton product of quaternions (..., 4): first b, then a."""
     a = np.asarray(a, dtype=np.float64)
     b = np.asarray(b, dtype=np.float64)
-    aw, ax, ay, az = np.moveaxis(a, -1, 0)
-    bw, bx, by, bz = np.moveaxis(b, -1, 0)
-    return np.stack(
-        [
-            aw * bw - ax * bx - ay * by - az * bz,
-            aw * bx + ax * bw + ay * bz - az * by,
-            aw * by - ax * bz + ay * bw + az * bx,
-            aw * bz + ax * by - ay * bx + az * bw,
-        ],
-        axis=-1,
+    aw, ax, ay, az = (a[..., i] for i in range(4))
+    bw, bx, by, bz = (b[..., i] for i in range(4))
+    return _together(
+        aw * bw - ax * bx - ay * by - az * bz,
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
     )
 
 
@@ -66,19 +63,36 @@ def rotate(quat: ArrayLike, vector: ArrayLike) -> Array:
     quat = np.asarray(quat, dtype=np.float64)
     vector = np.asarray(vector, dtype=np.float64)
     w, u = quat[..., :1], quat[..., 1:]
-    t = 2.0 * np.cross(u, vector)
-    return vector + w * t + np.cross(u, t)
+    t = 2.0 * cross(u, vector)
+    result: Array = vector + w * t + cross(u, t)
+    return result
+
+
+def cross(a: Array, b: Array) -> Array:
+    """Cross products of vectors (..., 3): the bits of `np.cross`, which is slower for few."""
+    ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
+    bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
+    return _together(ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx)
+
+
+def _together(*columns: Array) -> Array:
+    """Columns (...) side by side, (..., n): `np.stack` of the last axis, without its checks."""
+    out = np.empty((*np.shape(columns[0]), len(columns)))
+    for i, column in enumerate(columns):
+        out[..., i] = column
+    return out
 
 
 def to_matrix(quat: ArrayLike) -> Array:
     """Matrices (..., 3, 3) of unit quaternions (..., 4)."""
-    w, x, y, z = np.moveaxis(np.asarray(quat, dtype=np.float64), -1, 0)
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.stack([np.stack(r, axis=-1) for r in rows], axis=-2)
+    quat = np.asarray(quat, dtype=np.float64)
+    w, x, y, z = (quat[..., i] for i in range(4))
+    nine = _together(
+        *(1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+        *(2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+        *(2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+    )
+    return nine.reshape(*quat.shape[:-1], 3, 3)
 
 
 def from_matrix(matrix: ArrayLike) -> Array:

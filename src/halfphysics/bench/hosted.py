@@ -13,6 +13,7 @@ from halfphysics.base import rotations as rot
 from halfphysics.baselines.engine.velocity import VelocityDrive
 from halfphysics.bench.clips import body, story
 from halfphysics.bench.record import Options, Record
+from halfphysics.bench.robot_arm import TIMESTEP, robot_arm
 from halfphysics.bench.sides import measure
 from halfphysics.body.mjcf_person import add_person, addresses
 from halfphysics.motion.motion import Motion
@@ -24,32 +25,7 @@ from halfphysics.settings import Settings
 
 Contact = Literal["skin", "parts"]
 
-#: MuJoCo's default timestep [s].
-TIMESTEP = 0.002
 WORLDS = 8
-#: A robot arm of two hinges that swings in front of its base.
-ARM = """
-<mujoco>
-  <option timestep="{timestep}" integrator="implicitfast"/>
-  <worldbody>
-    <body name="base" pos="{place}">
-      <geom type="cylinder" size="0.05 0.05" mass="5" contype="0" conaffinity="0"/>
-      <body name="upper">
-        <joint name="yaw" axis="0 0 1" damping="2"/>
-        <geom name="upper" type="capsule" fromto="0 0 0 0 0.35 0" size="0.04" mass="3"/>
-        <body name="fore" pos="0 0.35 0">
-          <joint name="elbow" axis="0 0 1" damping="1"/>
-          <geom name="fore" type="capsule" fromto="0 0.1 0 0 0.35 0" size="0.035" mass="2"/>
-        </body>
-      </body>
-    </body>
-  </worldbody>
-  <actuator>
-    <position joint="yaw" kp="400" dampratio="1" forcerange="-60 60"/>
-    <position joint="elbow" kp="200" dampratio="1" forcerange="-60 60"/>
-  </actuator>
-</mujoco>
-"""
 #: Where the arm begins and how far it swings [rad].
 START, SWING = -0.5 * np.pi, 0.8
 
@@ -151,7 +127,7 @@ def _aim(t: int, frames: int) -> float:
 def _world(place: str) -> Any:
     import mujoco
 
-    return mujoco.MjSpec.from_string(ARM.format(timestep=TIMESTEP, place=place))
+    return mujoco.MjSpec.from_string(robot_arm(place))
 
 
 def _control(motion: Motion, place: str, contact: Contact) -> tuple[Control, Any]:

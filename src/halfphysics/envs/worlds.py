@@ -272,8 +272,8 @@ class Worlds:
         names = [_body_of(world, name) for name in self.plan.watched]
         motors = [_joint_of(world, name) for name in self.plan.motors]
         labels = [
-            world.names[name] if part < 0 else f"{world.names[name]}/{JOINT_NAMES[part]}"
-            for name, part in zip(world.shape_name, world.shape_part, strict=True)
+            name if part < 0 else f"{name}/{JOINT_NAMES[part]}"
+            for name, part, _ in world.shape_keys
         ]
         static = [world.names[name] for name in world.static_name]
         self._fleet.put(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -119,12 +118,13 @@ def rebuilt(
     new.place_objects(qpos, qvel)
     # An object whose hold changes is new to the core: its contacts are found again.
     other = {n for n in scene.objects if world.held.get(n) != held.get(n)}
-    bodies = {world.joined.body(i).name: i for i in range(world.joined.nbody)}
+    bodies = {name: i for i, name in enumerate(world.joined.body_names)}
     bodies = {name: i for name, i in bodies.items() if name.removeprefix("object/") not in other}
-    body = [bodies.get(new.joined.body(i).name, -1) for i in range(new.joined.nbody)]
+    body = [bodies.get(name, -1) for name in new.joined.body_names]
+    here, there = _coordinates(new.joined), _coordinates(world.joined)
     for b, old in enumerate(body):
         if old >= 0:
-            qpos[_coordinates(new.joined, b)] = was[_coordinates(world.joined, old)]
+            qpos[here[b]] = was[there[old]]
     let_go = [p for p in world.objects if p.name in other and not isinstance(p, FreeObject)]
     free = {p.name: p for p in new.objects if isinstance(p, FreeObject)}
     let_go = [p for p in let_go if p.name in free]
@@ -134,8 +134,8 @@ def rebuilt(
         qpos[at : at + 3] = position + rot.rotate(quat, place.com)
         qpos[at + 3 : at + 7] = quat
     new.stepper.reset(qpos, qvel)
-    shapes = {key: i for i, key in enumerate(_shapes(world)) if key[0] not in other}
-    shape = [shapes.get(key, -1) for key in _shapes(new)]
+    shapes = {key: i for i, key in enumerate(world.shape_keys) if key[0] not in other}
+    shape = [shapes.get(key, -1) for key in new.shape_keys]
     new.stepper.adopt(
         world.stepper, np.array(body, dtype=np.int32), np.array(shape, dtype=np.int32)
     )
@@ -144,29 +144,16 @@ def rebuilt(
     return new
 
 
-def _coordinates(model: Any, body: int) -> slice:
-    """Where a body's own joints stand in qpos."""
-    first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
-    if count == 0:
-        return slice(0, 0)
-    ends = [*model.jnt_qposadr, model.nq]
-    return slice(int(ends[first]), int(ends[first + count]))
+def _coordinates(model: Any) -> list[slice]:
+    """Where the joints of every body stand in qpos."""
+    ends = [*map(int, model.jnt_qposadr), int(model.nq)]
+    joints = zip(map(int, model.body_jntadr), map(int, model.body_jntnum), strict=True)
+    return [slice(ends[at], ends[at + n]) if n else slice(0, 0) for at, n in joints]
 
 
 def removable(world: World, name: str) -> None:
     """Raises `InputError` where there is no such object."""
     _found(world, "remove_object", name)
-
-
-def _shapes(world: World) -> list[tuple[str, int, int]]:
-    """What tells the core's shapes apart: name, part, and which of several."""
-    seen: Counter[tuple[str, int]] = Counter()
-    keys = []
-    for name, part in zip(world.shape_name, world.shape_part, strict=True):
-        key = (world.names[name], int(part))
-        keys.append((*key, seen[key]))
-        seen[key] += 1
-    return keys
 
 
 def _pushed(world: World, what: str, name: str) -> tuple[FreeObject, Object]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -139,6 +140,17 @@ class World:
                 place.put_at_start(item, qpos, qvel)
         for articulated in self.scene.articulated.values():
             jointed.start(self.joined, articulated, qpos, qvel)
+
+    @cached_property
+    def shape_keys(self) -> tuple[tuple[str, int, int], ...]:
+        """What tells the core's shapes apart: name, part, and which of several."""
+        seen: Counter[tuple[str, int]] = Counter()
+        keys = []
+        for name, part in zip(self.shape_name.tolist(), self.shape_part.tolist(), strict=True):
+            key = (self.names[name], part)
+            keys.append((*key, seen[key]))
+            seen[key] += 1
+        return tuple(keys)
 
     def targets(self, poses: Sequence[Pose]) -> Array:
         """What the core's frame() takes: all people's coordinates, one after the other."""

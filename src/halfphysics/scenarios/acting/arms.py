@@ -98,7 +98,7 @@ def solve(
     along = cosine[:, None] * line + sine[:, None] * front  # of the upper arm, unit
     end = (distance[:, None] * line - a * along) / b
     # The elbow bends about the y axis of the rest frame.
-    hinge = np.cross(line, front) * np.sign(arm.upper[0])
+    hinge = rot.cross(line, front) * np.sign(arm.upper[0])
     upper, fore = _bone(arm.upper, along, hinge), _bone(arm.fore, end, hinge)
     turn = rot.normalize(rot.from_matrix(np.swapaxes(fore, 1, 2) @ hand))
     axis = arm.fore / b
@@ -131,7 +131,7 @@ def palm_frame(side: str, fingers: Array, facing: Array) -> Array:
     facing = facing / np.linalg.norm(facing, axis=1, keepdims=True)
     # At rest left fingers point along x and right fingers along -x, with palms down.
     x, y = left * along, -facing
-    return np.stack([x, y, np.cross(x, y)], axis=-1)
+    return np.stack([x, y, rot.cross(x, y)], axis=-1)
 
 
 def _bone(rest: Array, actual: Array, hinge: Array) -> Array:
@@ -141,6 +141,6 @@ def _bone(rest: Array, actual: Array, hinge: Array) -> Array:
         along = along / np.linalg.norm(along, axis=-1, keepdims=True)
         across = across - np.sum(across * along, axis=-1, keepdims=True) * along
         across = across / np.linalg.norm(across, axis=-1, keepdims=True)
-        return np.stack([along, across, np.cross(along, across)], axis=-1)
+        return np.stack([along, across, rot.cross(along, across)], axis=-1)
 
     return frame(actual, hinge) @ frame(rest, np.array([0.0, 1.0, 0.0])).T

@@ -11,6 +11,7 @@ import halfphysics as hp
 from halfphysics import _native
 from halfphysics.errors import FileError, InputError
 from halfphysics.simulation.call_recorder import CALLS, CallRecorder
+from halfphysics.simulation.compile_world import MOST_SUBSTEPS, MOST_SWEEPS
 from support.paths import ROOT
 
 REST = hp.Pose((0, 0, 1.0), np.zeros((55, 3)))
@@ -79,3 +80,14 @@ def test_mistakes(tmp_path):
     with pytest.raises(FileError, match="does not exist"):
         hp.Simulator(scene()).save_world(tmp_path / "none" / "world.hpw")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("what", "most"), [("substeps", MOST_SUBSTEPS), ("max_sweeps", MOST_SWEEPS)]
+)
+def test_what_a_reader_would_wait_for_too_long_is_not_written(what, most):
+    """The bounds of the reader: a file at the bound is read, one over it is not written."""
+    data = hp.compile_world(body=[], settings=hp.Settings(**{what: most}))
+    assert np.isfinite(_native.run_world(data, 1)).all()
+    with pytest.raises(InputError, match=f"{what}={most + 1}, expected at most"):
+        hp.compile_world(body=[], settings=hp.Settings(**{what: most + 1}))

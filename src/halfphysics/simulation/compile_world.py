@@ -27,6 +27,10 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+#: What a world file may ask for: its reader waits for every frame, and a file may be a stranger's
+#: (src/native/compiled/world_check.cpp has the same).
+MOST_SUBSTEPS, MOST_SWEEPS = 1_000, 10_000
+
 
 def compile_world(
     scene: Scene | None = None,
@@ -72,6 +76,15 @@ def _compiled(
 ) -> bytes:
     from halfphysics import _native
 
+    for what, value, most in (
+        ("substeps", settings.substeps or 0, MOST_SUBSTEPS),
+        ("max_sweeps", settings.max_sweeps, MOST_SWEEPS),
+    ):
+        if value > most:
+            raise InputError(
+                f"settings: found {what}={value}, expected at most {most:,} in a world file. "
+                "Shorter frames need fewer substeps"
+            )
     recorder = CallRecorder(_native.Stepper(), scene)
     world = build_world(bodies, scene, settings, held, core=recorder)
     _label(recorder, world, axes)

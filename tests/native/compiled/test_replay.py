@@ -109,6 +109,19 @@ def calls_of(data):
     return calls
 
 
+@pytest.mark.parametrize("substeps", [1_001, 65_536, 2**31 - 1])
+def test_files_that_would_run_for_minutes(files, substeps):
+    """One flipped bit in the number of substeps: a frame in contact took two minutes."""
+    original = files[1]
+    body, count = bytearray(original[HEADER:]), struct.unpack("<I", original[24:28])[0]
+    at = body.rindex(b"substeps\0") + 56  # the array's bytes, behind its name, kind and shape
+    assert struct.unpack_from("<i", body, at) == (0,)
+    body[at : at + 4] = struct.pack("<i", substeps)
+    assert not tried(sealed(bytes(body), count))
+    body[at : at + 4] = struct.pack("<i", 1_000)
+    assert tried(sealed(bytes(body), count))
+
+
 def test_calls_in_another_order_missing_or_twice(files):
     """What is taken runs without a crash, and what must be there is missed."""
     calls = calls_of(files[1])

@@ -28,6 +28,8 @@ class ServerProcess:
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             env={**os.environ, "PYTHONPATH": _SOURCE, "OMP_NUM_THREADS": "1"},
+            # What a shell starts in its background ignores Ctrl-C, and so do its children.
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
         )
         said = b""
         for line in self.process.stdout:

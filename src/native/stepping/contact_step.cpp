@@ -86,7 +86,7 @@ void ContactStep::find_candidates(double h) {
   relax(system_, attempt);
   int& most = data_.result.diagnostics.candidates;
   most = std::max(most, (int)attempt.candidates.size());
-  data_.budget.spend(tune::kPlaneWork * attempt.candidates.size() +
+  data_.budget.spend(tune::kPlaneWork * attempt.planes() +
                      tune::kTestWork * world.narrow_phase.take_tests());
 }
 

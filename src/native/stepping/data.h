@@ -2,6 +2,7 @@
 // results of a frame. Components of the substep take those of these structs that they read and
 // write.
 #pragma once
+#include <algorithm>
 #include <vector>
 
 #include "stepping/contact_cache.h"
@@ -85,9 +86,14 @@ struct Attempt {
 
   bool settled(int island) const { return islands[island].state == IslandProgress::State::Settled; }
 
+  // Candidates that have a plane. The others are bounds, which cost next to nothing.
+  size_t planes() const {
+    return std::count_if(candidates.begin(), candidates.end(),
+                         [](const ContactCandidate& c) { return c.known == Known::Plane; });
+  }
   // What one check of all candidates at an end pose costs [multiplications].
   double check_work() const {
-    return tuning::stepping::kPoseWork * moving + tuning::stepping::kCheckWork * candidates.size();
+    return tuning::stepping::kPoseWork * moving + tuning::stepping::kCheckWork * planes();
   }
 };
 

@@ -68,6 +68,7 @@ double excess(System& system, Data& data, size_t i) {
   bool off = stays_off(system, data, candidates[i], least);
   while (!off && candidates[i].known != Known::Plane) {
     world.narrow_phase.refine(system.model, start, data.step.length, (int)i, candidates);
+    if (candidates[i].known == Known::Plane) data.budget.spend(tune::kPlaneWork);
     off = stays_off(system, data, candidates[i], least);
   }
   if (off) return least;
@@ -138,7 +139,7 @@ void Verification::check_candidate(System& system, Data& data, size_t i) {
   attempt.excess[i] = e;
   const ContactCandidate& c = attempt.candidates[i];
   IslandProgress& p = attempt.islands[island];
-  p.work += tune::kCheckWork;
+  if (c.known == Known::Plane) p.work += tune::kCheckWork;
   p.worst = std::min(p.worst, e);
   const bool violated = e < -allowed(system, attempt, c);
   attempt.violated[i] = violated;

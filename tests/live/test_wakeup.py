@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import gc
+import select
 import threading
 import time
+
+import pytest
 
 from halfphysics.live.wakeup import Wakeup
 
@@ -46,3 +49,19 @@ def test_its_sockets_go_with_it():
     del wakeup
     gc.collect()
     assert [end.fileno() for end in ends] == [-1, -1]
+
+
+@pytest.mark.skipif(not hasattr(select, "poll"), reason="no poll here")
+def test_a_program_with_over_a_thousand_open_files(monkeypatch):
+    """`select` takes no file from number 1024 on."""
+
+    def refused(*_):
+        raise ValueError("filedescriptor out of range in select()")
+
+    monkeypatch.setattr(select, "select", refused)
+    wakeup, begun = Wakeup(), time.perf_counter()
+    wakeup.wait(0.02)
+    assert time.perf_counter() - begun >= 0.02
+    wakeup.wake()
+    wakeup.wait(60.0)
+    assert time.perf_counter() - begun < 30.0

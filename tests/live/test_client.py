@@ -11,6 +11,7 @@ import pytest
 import halfphysics as hp
 from halfphysics.errors import FileError, InputError
 from halfphysics.live import schema
+from halfphysics.live.client import _frame
 from halfphysics.live.safety import Gate
 from halfphysics.live.server import Server
 
@@ -140,3 +141,13 @@ def test_a_token_is_needed(session):
             assert live.people
     finally:
         server.stop()
+
+
+def test_a_pose_of_another_number_of_joints_is_refused():
+    """Its numbers are checked by the schema, their count by the client."""
+    person = schema.PersonFrame("live", None, [0.0, 0.0, 1.0], [[0.0, 0.0, 0.0]] * 54)
+    message = schema.FrameMessage(
+        frame=1, time=0.0, clock=0.0, clearance=None, people={"person": person}
+    )
+    with pytest.raises(InputError, match=r"\(54, 3\) numbers, expected \(3,\) and \(55, 3\)"):
+        _frame(message)

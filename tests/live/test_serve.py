@@ -27,6 +27,13 @@ def test_a_session_with_all_of_it(scene, tmp_path):
     assert served.recorder.left_out == 0
 
 
+def test_clients_get_a_frame_before_it_is_recorded(scene, tmp_path):
+    """Nobody who waits for a frame waits for the disk."""
+    with hp.serve(scene, port=0, record=tmp_path / "out.npz") as served:
+        told = [listener.__self__ for listener in served.session._listeners]
+        assert told == [served.server, served.latency, served.recorder]
+
+
 def test_beyond_this_machine_there_is_a_token(scene):
     with hp.serve(scene, host="0.0.0.0", port=0) as served:
         assert "/?token=" in served.url

@@ -179,6 +179,7 @@ void ContactProblem::iterate(double tolerance, double fine, int most, SolveRepor
   judge(at, report);
   // One sweep over one contact is exact: what rests feels nothing of where it started.
   if (size() == 1) at.goal = -1, at.most = 1;
+  const bool rests = fine < tune::kSettleGoal * tolerance;
   int stalled = 0;
   double last = 1e300;
   while (at.goes_on(report.residual)) {
@@ -189,9 +190,9 @@ void ContactProblem::iterate(double tolerance, double fine, int most, SolveRepor
     else if (++stalled == tune::kStalledRounds)
       break;
     last = std::min(last, report.residual);
-    // What must be finer than the tolerance is given half of the sweeps for it.
-    if (at.done >= (fine < tolerance ? at.most / 2 : tune::kFinePatience)) at.goal = tolerance;
-    if (at.done >= tune::kTolerancePatience && fine >= tolerance)
+    // What must not creep is given half of the sweeps to be fine.
+    if (at.done >= (rests ? at.most / 2 : tune::kFinePatience)) at.goal = tolerance;
+    if (at.done >= tune::kTolerancePatience && !rests)
       at.goal = tune::kEnough * tolerance;
   }
   if (report.residual > at.least) p = best_, product();

@@ -11,7 +11,7 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -93,7 +93,7 @@ def counted(
 
 def played(clip: str, quick: bool) -> Play:
     """The motion and the scene of a clip."""
-    plays = {
+    plays: dict[str, Callable[[], Play]] = {
         "wall": wall.walking,
         "grasp": grasp.lifting,
         "lift": lambda: handling.played("lift_suitcase"),

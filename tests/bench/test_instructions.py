@@ -62,6 +62,11 @@ def test_without_valgrind_the_case_is_left_out(monkeypatch, capsys):
     assert "left out: valgrind is not installed" in capsys.readouterr().out
 
 
+def test_every_setting_has_a_clip():
+    for clip, _ in instructions.SETTINGS.values():
+        assert len(instructions.played(clip, quick=True).motion) == 30
+
+
 def test_the_clip_is_played_at_its_stiffness():
     """A core that is reset keeps its firmness: the loop has to set it."""
     play = instructions.played("wall", quick=True)

@@ -53,20 +53,26 @@ def _handled(
     quick: slice,
     options: Options,
 ) -> Iterator[Record]:
-    told = scenarios.load(scenario, body=body(), **chosen)
-    motion = told.motions[0]
+    play = played(scenario, **chosen)
+    motion = play.motion
     first = round(up * motion.fps)
     if options.quick:
         motion, first = motion[quick], first - quick.start
-    (item,) = told.scene.objects
+    (item,) = play.scene.objects
     for record, result, moved in pressed(
-        case, name, Play(motion=motion, scene=told.scene), options
+        case, name, Play(motion=motion, scene=play.scene), options
     ):
         sides = [(m, objects[item]) for m, objects in ((result.motion, result.objects), moved)]
         ours, theirs = (slip(*holder(m), track, first) for m, track in sides)
         rise, its_rise = (1000.0 * float(np.ptp(track.position[:, 2])) for _, track in sides)
         checks = {"lifted [mm]": (rise, its_rise), "slip [mm]": (ours, theirs)}
         yield replace(record, checks={**checks, **record.checks})
+
+
+def played(scenario: str, **chosen: Any) -> Play:
+    """The motion and the scene of a scenario of one person, told with options of its own."""
+    told = scenarios.load(scenario, body=body(), **chosen)
+    return Play(motion=told.motions[0], scene=told.scene)
 
 
 def slip(position: Array, quaternion: Array, track: ObjectTrack, first: int) -> float:

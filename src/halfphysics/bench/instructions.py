@@ -11,11 +11,11 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from halfphysics.bench import grasp, wall
+from halfphysics.bench import grasp, handling, wall
 from halfphysics.bench.clips import SUBSTEPS, body
 from halfphysics.bench.free import core_loop
 from halfphysics.bench.pressing import Play
@@ -31,6 +31,8 @@ BAR = 0.67
 SETTINGS = {
     "wall, stiffness 1": ("wall", 1.0),
     "grasp, stiffness 1": ("grasp", 1.0),
+    "lift, stiffness 1": ("lift", 1.0),
+    "glass, stiffness 1": ("glass", 1.0),
     "wall, stiffness 0": ("wall", 0.0),
 }
 #: Longest time that a process may take under valgrind [s]; they take about one minute.
@@ -91,7 +93,13 @@ def counted(
 
 def played(clip: str, quick: bool) -> Play:
     """The motion and the scene of a clip."""
-    play = wall.walking() if clip == "wall" else grasp.lifting()
+    plays: dict[str, Callable[[], Play]] = {
+        "wall": wall.walking,
+        "grasp": grasp.lifting,
+        "lift": lambda: handling.played("lift_suitcase"),
+        "glass": lambda: handling.played("grasp_glass", stages=handling.STAGES),
+    }
+    play = plays[clip]()
     return Play(motion=play.motion[:30], scene=play.scene) if quick else play
 
 

@@ -119,7 +119,13 @@ Endpoint Generator::endpoint(int which, Vec3 x, Vec3 measured, int feature, Mate
   const PosedShape& at = world.place(start, which);
   const bool corner = own.skin && c.other_static >= 0;  // of a skin: one of its vertices
   const Material point = corner ? Material{feature, {}} : start.material(own, at, x);
-  gap = corner ? point : start.material(own, at, measured);
+  // What is measured of a skin moves with what is pushed.
+  if (corner)
+    gap = point;
+  else if (own.skin)
+    gap = start.of_vertex(own, at, point.vertex, measured);
+  else
+    gap = start.material(own, at, measured);
   return world.active[own.body] ? start.endpoint(own, at, point) : Endpoint{};
 }
 
@@ -287,19 +293,24 @@ void Generator::add_first() {
   bool nearest = false;  // one of the points is as near as the two shapes are
   const size_t first = contacts.size();
   add_cached(nearest);
+  // What carried something in the substep before mostly does so again; what it does not hold is added in
+  // view of the end pose. Corners are sought where nothing is known yet.
+  const bool recalled =
+      contacts.size() > first && std::any_of(cached.begin(), cached.end(),
+                                             [&](const auto& w) { return w.candidate == index; });
   auto known = [&](Vec3 xa, Vec3 xb) {
     for (size_t k = first; k < contacts.size(); k++)
       if (norm2(contacts[k].position - 0.5 * (xa + xb)) < tune::kSamePoint2) return true;
     return false;
   };
-  int n = face_manifold(a0, b0, c.n, tune::kFaceThickness, 4, pa, pb);
+  const int n = recalled ? 0 : face_manifold(a0, b0, c.n, tune::kFaceThickness, 4, pa, pb);
   for (int i = 0; i < n; i++) {
     double gap = std::max(c.dist, dot(c.n, pa[i] - pb[i]));
     nearest |= gap < c.dist + tune::kFlat;
     if (!known(pa[i], pb[i])) make_opposite(c.n, gap, pa[i], pb[i], i);
   }
   // The corners of a slanted face need not be where the two are nearest.
-  if (n < 3 || !nearest) {
+  if ((n < 3 && !recalled) || !nearest) {
     Separation s{c.dist, c.n, c.pa, c.pb};
     if (c.dist <= 0) s = separate_along(a0, b0, c.n);
     if (!known(s.pa, s.pb)) make_opposite(c.n, c.dist, s.pa, s.pb, 4);

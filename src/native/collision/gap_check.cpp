@@ -193,14 +193,15 @@ double GapCheck::unforgiven(Poses& end, ContactCandidate& c) const {
   return world_.place(end, c.shape).lowest(c.n) + dot(c.n, c.shift()) - c.offset - c.target;
 }
 
-double GapCheck::excess(const Model& m, Poses& start, Poses& end, ContactCandidate& c) {
+double GapCheck::excess(const Model& m, Poses& start, Poses& end, ContactCandidate& c,
+                        double slack) {
   const PosedShape& a1 = world_.place(end, c.shape);
   c.forgiven = false;
   double gap;
   if (c.other_static >= 0) {
     gap = a1.lowest(c.n) + dot(c.n, c.shift()) - c.offset;
     const bool half_space = world_.statics[c.other_static].kind == Static::Kind::HalfSpace;
-    if (half_space || gap >= c.target) return gap - c.target;
+    if (half_space || gap >= c.target - slack) return gap - c.target;
     if (overhang_.any(start, end, c)) {
       const Separation s = overhang_.at_end(start, end, c);
       if (s.dist > 0 && dot(s.n, c.n) > tune::kSameSide) return s.dist - c.target;
@@ -211,7 +212,7 @@ double GapCheck::excess(const Model& m, Poses& start, Poses& end, ContactCandida
     if (c.overlap >= 0) moved = displaced(a1, c.shift());
     const PosedShape& a = c.overlap >= 0 ? moved : a1;
     gap = separate_along(a, b1, c.n).dist;
-    if (gap >= c.target || c.dist < 0) return gap - c.target;
+    if (gap >= c.target - slack || c.dist < 0) return gap - c.target;
     Hint hint = c.hint;
     Separation s = separate(a, b1, 1e300, false, c.n, &hint);
     if (s.dist > 0 && dot(s.n, c.n) > tune::kSameSide) return s.dist - c.target;

@@ -24,8 +24,9 @@ class GapCheck {
   explicit GapCheck(const CollisionWorld& world) : world_(world), overhang_(world) {}
 
   // Smallest gap of a candidate at the end pose minus its target [m]; kForgiven, and c.forgiven is
-  // set, where the plane is crossed but nothing is behind it.
-  double excess(const Model& m, Poses& start, Poses& end, ContactCandidate& c);
+  // set, where the plane is crossed but nothing is behind it. What the candidate's plane shows to miss
+  // its target by no more than `slack` [m] is not looked at closer: the plane's gap is told then.
+  double excess(const Model& m, Poses& start, Poses& end, ContactCandidate& c, double slack);
   static constexpr double kForgiven = 1e300;
   // The same of a triangle's plane that may not be crossed.
   double unforgiven(Poses& end, ContactCandidate& c) const;

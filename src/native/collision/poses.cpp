@@ -123,7 +123,6 @@ Material Poses::material(const CollisionShape& m, const PosedShape& at, Vec3 x) 
   return of_vertex(m, at, nearest(p.x, p.y, p.z, p.n, x.x, x.y, x.z), x);
 }
 
-// A point of a skin that moves with vertex v.
 Material Poses::of_vertex(const CollisionShape& m, const PosedShape& at, int v, Vec3 x) const {
   const Points p = at.points();
   JointWeight s[Endpoint::kMost];

@@ -41,6 +41,8 @@ struct Poses {
   // The material point of a shape's surface that is at x now, and where it is at this pose. The
   // shape must be posed; a point of a skin hull moves with the nearest vertex.
   Material material(const CollisionShape& m, const PosedShape& at, Vec3 x) const;
+  // The material point of a skin that is at x now and moves with vertex v.
+  Material of_vertex(const CollisionShape& m, const PosedShape& at, int v, Vec3 x) const;
   Vec3 position(const CollisionShape& m, const PosedShape& at, const Material& point) const;
   // The same point as contacts need it: the bodies that carry it, and by how much (its Jacobian,
   // docs/physics.md, "The skin").
@@ -52,7 +54,6 @@ struct Poses {
     const Skin* skin;
     std::vector<double> values;
   };
-  Material of_vertex(const CollisionShape& m, const PosedShape& at, int v, Vec3 x) const;
   void place(const CollisionShape& m, int i);
   void place_skin(const CollisionShape& m, PosedShape& out);
   const std::vector<double>& features(const Skin& s);

@@ -154,7 +154,10 @@ void ContactProblem::sweep_round(Progress& at, SolveReport& report) {
 }
 
 void ContactProblem::newton_round(Progress& at, SolveReport& report) {
-  double damping = tune::kNewtonDamping, recent[tune::kNewtonMemory];
+  // Near the answer the least damping does: what is damped is not solved for.
+  const bool near = report.residual < tune::kNewtonNear * at.goal;
+  double damping = near ? tune::kNewtonLeastDamping : tune::kNewtonDamping;
+  double recent[tune::kNewtonMemory];
   std::fill_n(recent, tune::kNewtonMemory, merit());
   int failures = 0;
   for (int step = 0; step < tune::kNewtonSteps && at.goes_on(report.residual); step++, at.done++) {
@@ -179,20 +182,23 @@ void ContactProblem::iterate(double tolerance, double fine, int most, SolveRepor
   judge(at, report);
   // One sweep over one contact is exact: what rests feels nothing of where it started.
   if (size() == 1) at.goal = -1, at.most = 1;
+  const bool rests = fine < tune::kSettleGoal * tolerance;
   int stalled = 0;
   double last = 1e300;
+  const int all = at.most;
   while (at.goes_on(report.residual)) {
+    if (!rests && at.goal < tolerance) at.most = std::min(all, tune::kFinePatience);
     sweep_round(at, report);
     newton_round(at, report);
+    at.most = all;
     if (report.residual < tune::kRoundProgress * last)
       stalled = 0;
     else if (++stalled == tune::kStalledRounds)
       break;
     last = std::min(last, report.residual);
-    // What must be finer than the tolerance is given half of the sweeps for it.
-    if (at.done >= (fine < tolerance ? at.most / 2 : tune::kFinePatience)) at.goal = tolerance;
-    if (at.done >= tune::kTolerancePatience && fine >= tolerance)
-      at.goal = tune::kEnough * tolerance;
+    // What must not creep is given half of the sweeps to be fine.
+    if (at.done >= (rests ? all / 2 : tune::kFinePatience)) at.goal = tolerance;
+    if (at.done >= tune::kTolerancePatience && !rests) at.goal = tune::kEnough * tolerance;
   }
   if (report.residual > at.least) p = best_, product();
   report.residual = residual(false);

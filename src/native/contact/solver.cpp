@@ -163,18 +163,20 @@ bool ContactSolver::join_violated(const System& s, const Island& at,
 }
 
 // The contacts that carried something in the substep before, and those that are violated in spite of
-// them.
-void ContactSolver::join_first(const System& s, const Island& at,
+// them. True if there are any of the former.
+bool ContactSolver::join_first(const System& s, const Island& at,
                                const std::vector<Contact>& contacts) {
   for (int l = 0; l < at.count && has_room(); l++) {
     const int i = at.contact[l];
     if (norm2(contacts[i].impulse) > 0) join(s, contacts[i], i);
   }
-  if ((int)rows_.size() == at.count) return;
-  if (rows_.empty())
-    join_worst(s, at, contacts, [&](int i) { return demand_[3 * i]; });
-  else
+  const bool any = !rows_.empty();
+  if ((int)rows_.size() == at.count) return any;
+  if (any)
     join_violated(s, at, contacts);
+  else
+    join_worst(s, at, contacts, [&](int i) { return demand_[3 * i]; });
+  return any;
 }
 
 // Calls each(body) for the bodies that the contacts of an island lie on.
@@ -200,18 +202,18 @@ void ContactSolver::solve_island(const System& s, const Island& at, std::vector<
     problem_.settles &= c.dist >= 0 && c.closing == 0;
   }
   shut_out_ = false;
-  join_first(s, at, contacts);
+  // Roughly while others may join, then properly. What carried something before mostly does so again,
+  // and no other: it is solved for properly at once.
+  bool rough = !join_first(s, at, contacts);
   // Objects that rest on objects must not creep by what a tolerance allows.
   bool objects = true, squeezed = false;  // by a body on a track
   for_bodies(contacts, at.contact, at.count, [&](int b) {
     objects &= m.last_dof[b] < 0 || m.row_size[m.last_dof[b]] <= 6;
     squeezed |= at.mass > 0 && m.held[b] != 0;
   });
-  const double fine = objects ? tune::kRestGoal * at.tolerance : at.tolerance;
-  // Roughly while others may join, then properly.
+  const double fine = (objects ? tune::kRestGoal : tune::kSettleGoal) * at.tolerance;
   const double roughly = tune::kRoughGoal * at.tolerance;
   SolveReport mine;
-  bool rough = true;
   answered_ = false;
   for (int round = 0;; round++) {
     rough = rough && round < tune::kJoinRounds && (int)rows_.size() < at.count;
@@ -221,10 +223,10 @@ void ContactSolver::solve_island(const System& s, const Island& at, std::vector<
       break;
     }
     if (round >= tune::kJoinRounds || (int)rows_.size() == at.count || mine.exhausted) break;
-    if (join_violated(s, at, contacts)) continue;
-    answered_ = !rough;
-    if (!rough) break;
-    rough = false;
+    const bool joined = join_violated(s, at, contacts);
+    answered_ = !joined && !rough;
+    if (answered_) break;
+    rough = joined;
   }
   report.exhausted |= mine.exhausted || shut_out_;
   report.work += problem_.budget.work();

@@ -140,7 +140,7 @@ class ContactSolver {
   bool crushes(const Island& at) const;
   void response(const System& s);
 
-  void join_first(const System& s, const Island& at, const std::vector<Contact>& contacts);
+  bool join_first(const System& s, const Island& at, const std::vector<Contact>& contacts);
   bool join_violated(const System& s, const Island& at, const std::vector<Contact>& contacts);
   template <typename Violation>
   bool join_worst(const System& s, const Island& at, const std::vector<Contact>& contacts,

@@ -48,17 +48,17 @@ void ContactCache::drop(const System& system, const std::vector<char>& renewed) 
 void ContactCache::keep(const System& system, State& state, const ContactCandidate& k,
                         const Contact& c) {
   const World& world = system.world;
-  auto material = [&](int shape, Vec3 x) -> Material {
-    if (world.shapes[shape].skin && k.other_static >= 0) return c.gap_a;  // a vertex
+  auto material = [&](int shape, const Material& gap, Vec3 x) {
+    if (world.shapes[shape].skin) return gap;  // a vertex, or what moves with it
     return state.pose.material(world.shapes[shape], world.place(state.pose, shape), x);
   };
   // Of two shapes: the points that face each other, `dist` apart about the one that the impulse
   // acts on.
   const Vec3 half = k.other_shape >= 0 ? 0.5 * c.dist * c.n : Vec3{};
   Material other;
-  if (k.other_shape >= 0) other = material(k.other_shape, c.position - half);
-  next_.push_back(
-      {c.key, c.feature, material(k.shape, c.position + half), other, c.n, c.impulse, false});
+  if (k.other_shape >= 0) other = material(k.other_shape, c.gap_b, c.position - half);
+  next_.push_back({c.key, c.feature, material(k.shape, c.gap_a, c.position + half), other, c.n,
+                   c.impulse, false});
 }
 
 void ContactCache::save(std::vector<double>& out) const {

@@ -102,7 +102,7 @@ void ContactStep::find_islands() {
 
 // Solves and verifies until nothing is violated, each island until it has settled or is stuck.
 void ContactStep::settle(double h) {
-  data_.step.move(system_, data_.state, data_.step.v, h);
+  data_.step.find_end(system_, data_.state, data_.step.v, h);
   verification_.check_first(system_, data_, h);
   check_limits(system_, data_, h);
   ranges_.check(system_, data_, h);

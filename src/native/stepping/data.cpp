@@ -12,11 +12,14 @@ void State::update_pose(System& system) {
   pose_known = true;
 }
 
-void Step::move(const System& system, const State& state, const std::vector<double>& vel,
-                double h) {
-  const char* active = system.world.active.data();
+void Step::find_end(const System& system, const State& state, const std::vector<double>& vel,
+                    double h) {
   end_qpos = state.qpos;
-  integrate(system.model, end_qpos.data(), vel.data(), h, active);
+  integrate(system.model, end_qpos.data(), vel.data(), h, system.world.active.data());
+}
+
+void Step::pose_end(const System& system, const std::vector<double>& vel, double h) {
+  const char* active = system.world.active.data();
   end.kin.update(system.model, end_qpos.data(), active);
   system.world.start_poses(end);
   end.way.resize(vel.size());

@@ -44,8 +44,13 @@ struct Step {
   Poses end;                            // the pose after the step
   std::vector<double> end_qpos;
 
-  // The end pose of moving with velocities `vel` for h.
-  void move(const System& system, const State& state, const std::vector<double>& vel, double h);
+  // The end pose of moving with velocities `vel` for h: its coordinates, then its kinematics.
+  void move(const System& system, const State& state, const std::vector<double>& vel, double h) {
+    find_end(system, state, vel, h);
+    pose_end(system, vel, h);
+  }
+  void find_end(const System& system, const State& state, const std::vector<double>& vel, double h);
+  void pose_end(const System& system, const std::vector<double>& vel, double h);
   // Per shape: no point of it goes farther from the state's pose to the end pose [m].
   const std::vector<double>& way(const System& system, const State& state);
 

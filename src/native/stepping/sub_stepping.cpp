@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "collision/relative_travel.h"
 #include "tuning.h"
 
 namespace hp {
@@ -187,6 +188,7 @@ void SubStepping::commit(double h, const std::vector<double>& share) {
   record(h, share);
   for (const Breach& k : breaches()) data_.result.add(k);
   world.broad_phase.travel(way_, inner_);
+  forget_shared_travel(world, world.broad_phase.pairs(), state.pose, step.end, way_);
   world.end_check.commit();
   world.depenetration.advance(share);
   std::swap(state.pose, step.end);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "collision/relative_travel.h"
 #include "tuning.h"
 
 namespace hp {
@@ -53,14 +54,17 @@ bool waits(const System& system, const ContactCandidate& c, const std::vector<ch
 static bool stays_off(const System& system, Data& data, ContactCandidate& c, double& least) {
   if (c.overlap >= 0 || c.dist <= c.target) return false;
   const std::vector<double>& way = data.step.way(system, data.state);
-  least = c.dist - c.target - way[c.shape] - (c.other_shape >= 0 ? way[c.other_shape] : 0) -
-          tune::kDistanceRounding;
+  const double room = c.dist - c.target - tune::kDistanceRounding;
+  double went = way[c.shape] + (c.other_shape >= 0 ? way[c.other_shape] : 0);
+  if (room > tuning::collision::kWaitingGap && room < went)
+    went = pair_travel(system.world, c, data.state.pose, data.step.end, way);
+  least = room - went;
   if (least < 0 || least + c.target < c.hard) return false;
   c.forgiven = false;
   return true;
 }
 
-double excess(System& system, Data& data, size_t i) {
+static double find_excess(System& system, Data& data, size_t i, bool slack) {
   World& world = system.world;
   Poses &start = data.state.pose, &end = data.step.end;
   std::vector<ContactCandidate>& candidates = data.attempt.candidates;
@@ -72,7 +76,9 @@ double excess(System& system, Data& data, size_t i) {
     off = stays_off(system, data, candidates[i], least);
   }
   if (off) return least;
-  const double e = world.gap_check.excess(system.model, start, end, candidates[i]);
+  const double e = world.gap_check.excess(
+      system.model, start, end, candidates[i],
+      slack ? std::max(0.0, allowed(system, data.attempt, candidates[i])) : 0.0);
   ContactCandidate& c = candidates[i];
   if (!c.forgiven || c.triangle < 0 || c.searched ||
       world.gap_check.mesh_clear(system.model, c, start, end))
@@ -85,6 +91,12 @@ double excess(System& system, Data& data, size_t i) {
   const auto same_pair = [&](int k) { return pair_key(candidates[k]) == pair_key(c); };
   if (std::none_of(hidden.begin(), hidden.end(), same_pair)) hidden.push_back((int)i);
   return e;
+}
+
+double excess(System& system, Data& data, size_t i) { return find_excess(system, data, i, false); }
+
+double excess_over_slack(System& system, Data& data, size_t i) {
+  return find_excess(system, data, i, true);
 }
 
 bool search_hidden(System& system, Data& data, double h) {
@@ -112,12 +124,19 @@ void Verification::check(System& system, Data& data, double h) {
 
 void Verification::check_first(System& system, Data& data, double h) {
   Attempt& attempt = data.attempt;
-  if (!recall(system, data)) return check(system, data, h);
+  const bool begun = recall(system, data);
+  const auto put_off = [&](const ContactCandidate& c) {
+    return waits(system, c, begun_, squeezed_);
+  };
+  const std::vector<ContactCandidate>& all = attempt.candidates;
+  if (!begun || !std::all_of(all.begin(), all.end(), put_off))
+    data.step.pose_end(system, data.step.v, h);
+  if (!begun) return check(system, data, h);
   data.budget.spend(attempt.check_work());
   const size_t known = recalled_.size();
   for (size_t i = 0; i < attempt.candidates.size() || search_hidden(system, data, h); i++) {
     const ContactCandidate& c = attempt.candidates[i];
-    if (i < known && waits(system, c, begun_, squeezed_)) {
+    if (i < known && put_off(c)) {
       attempt.violated.resize(i + 1, 0);
       attempt.excess.resize(i + 1, -1);  // not known: first of all
       attempt.violated[i] = recalled_[i];
@@ -135,7 +154,7 @@ void Verification::check_candidate(System& system, Data& data, size_t i) {
   attempt.excess.resize(attempt.candidates.size(), 0);
   const int island = attempt.candidates[i].island;
   if (!attempt.islands[island].open()) return;
-  const double e = excess(system, data, i);
+  const double e = excess_over_slack(system, data, i);
   attempt.excess[i] = e;
   const ContactCandidate& c = attempt.candidates[i];
   IslandProgress& p = attempt.islands[island];

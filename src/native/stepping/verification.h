@@ -18,7 +18,8 @@ class Verification {
   // `violated`, `worst` and `overdue`.
   void check(System& system, Data& data, double h);
   // The same before the first solve: where a person has contacts from the substep before, there is a
-  // solve anyhow, and the person's candidates are checked after it, not before it too.
+  // solve anyhow, and the person's candidates are checked after it, not before it too. The end pose,
+  // whose coordinates are known, is made where a candidate is checked.
   void check_first(System& system, Data& data, double h);
 
  private:
@@ -34,6 +35,8 @@ class Verification {
 // Gap at the end pose minus target of candidate i [m], or a lower bound of it that is positive. Where its plane is forgiven, what it hides is
 // to be searched; where very many such planes have been already, it is not forgiven.
 double excess(System& system, Data& data, size_t i);
+// The same, where a miss within what is allowed need not be looked at closer (GapCheck::excess).
+double excess_over_slack(System& system, Data& data, size_t i);
 // Appends the candidates that forgiven planes had hidden. True if there are any.
 bool search_hidden(System& system, Data& data, double h);
 

@@ -180,6 +180,8 @@ void Drive::spring_velocity(const DriveSettings& s, int k, double h, const doubl
                             double* v) const {
   const double tau = s.time_constant, sc = scale(s, h);
   for (int i = 0; i < 3; i++) v[i] = v_ref_[i] + deviation_[i] / sc;
+  if (footing.layers.carry())
+    v[2] = v_ref_[2] + elementary::exp(-tuning::footing::kLayerDamping * h) * deviation_[2];
   for (int i = 0; i < ball_count(); i++) {
     const Ball& b = balls()[i];
     const Quat ref = motion.before(b) * exp_quat((k * h) * load3(&v_ref_[b.dof]));

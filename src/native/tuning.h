@@ -960,6 +960,9 @@ constexpr double kCarryFrom = 0.01, kCarryNot = 1e-4;
 // Time constants of the share of the weight that layers are to carry, and of the centre of their pressure [s]:
 // shorter than people sit down in, longer than steps of contact.
 constexpr double kLayerShareTime = 0.05, kLayerCentreTime = 0.05;
+// Share of the weight that layers have at least under somebody who sits on them, where the moments leave a choice; and
+// in any case.
+constexpr double kSeatShare = 0.5, kLeastLayerShare = 0.01;
 // Rate at which a person who rests on layers loses velocity off its motion, up or down [1/s]: what muscles and flesh
 // damp. The weight falls at half a metre per second at most; at 100, as the drive has it, sinking takes seconds.
 constexpr double kLayerDamping = 20;

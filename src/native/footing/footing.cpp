@@ -213,7 +213,7 @@ void Footing::find_bearing(const Model& m, const CollisionWorld& world, Vec3 dis
     mass += m.mass[b];
   }
   centre = (1 / mass) * centre + whole;
-  layers.aim(bearing.points, centre);
+  layers.aim(bearing.points, centre, sits());
   bearing.aim(centre, 1 - layers.share());
 }
 

@@ -8,8 +8,9 @@
 //
 //   spread over {feet on the floor, hard seat, ...} and the centre x_L  ->  w = s_L
 //
-// so that all moments about the ground point under the centre of mass balance: the law of the lever. w = 1 where
-// nothing else carries. Who leans forward to stand up has its centre of mass over its feet: then w is 0, the seat
+// so that all moments about the ground point under the centre of mass balance: the law of the lever. Where that
+// leaves a choice (soles are long) layers keep what they have, and have half of it at least under somebody who sits
+// or lies on them. w = 1 where nothing else carries. Who leans forward to stand up has its centre of mass over its feet: then w is 0, the seat
 // pushes it up to its surface, and footing has it again.
 #pragma once
 #include <vector>
@@ -25,8 +26,9 @@ class OnLayers {
   // The share of the weight that they are to carry now; 0 if they do not.
   double share() const { return carry_ ? share_ : 0; }
 
-  // A frame begins with what else could carry it, a person whose centre of mass is over `centre`.
-  void aim(const std::vector<BearingPoint>& others, Vec3 centre);
+  // A frame begins with what else could carry it, a person whose centre of mass is over `centre`; `sits`: skin
+  // but the feet's is at rest on something.
+  void aim(const std::vector<BearingPoint>& others, Vec3 centre, bool sits);
   // Time `h` [s] passes.
   void advance(double h);
   // In a frame of length dt [s] layers have pressed with so much of the person's weight, at `centre`.
@@ -39,7 +41,8 @@ class OnLayers {
  private:
   bool carry_ = false;
   double share_ = 0, target_ = 0;  // of the weight
-  Vec3 centre_;                    // of the layers' pressure, smoothed [m]
+  double pressed_ = 0;             // what they carry, in the person's weight, smoothed
+  Vec3 centre_;                    // of their pressure, smoothed [m]
 };
 
 }  // namespace hp

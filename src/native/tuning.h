@@ -964,8 +964,8 @@ constexpr double kLayerShareTime = 0.05, kLayerCentreTime = 0.05;
 // in any case.
 constexpr double kSeatShare = 0.5, kLeastLayerShare = 0.01;
 // Rate at which a person who rests on layers loses velocity off its motion, up or down [1/s]: what muscles and flesh
-// damp. The weight falls at half a metre per second at most; at 100, as the drive has it, sinking takes seconds.
-constexpr double kLayerDamping = 20;
+// damp, some 0.3 of the critical on a mattress. At 100, as the drive has it, sinking takes seconds.
+constexpr double kLayerDamping = 10;
 
 // stepping/reference_clock.cpp
 

@@ -11,6 +11,17 @@ namespace {
 // How far below the surface without load a part is put on a layer, so that contacts carry it [m].
 double dips(const Surface& s) { return std::min(tune::kDips, tune::kDipsShare * s.layer); }
 
+// Thickness of soft skin, by the body that a shape is on; empty: no person has any.
+std::vector<double> soft_skin(const CollisionWorld& world) {
+  std::vector<double> layer;
+  for (const CollisionShape& shape : world.shapes) {
+    if (shape.person < 0 || shape.layer <= 0) continue;
+    if ((int)layer.size() <= shape.body) layer.resize(shape.body + 1, 0);
+    layer[shape.body] = std::max(layer[shape.body], shape.layer);
+  }
+  return layer;
+}
+
 }  // namespace
 
 void Underfoot::find(const CollisionWorld& world, Poses& poses, const FootingModel& model,
@@ -46,14 +57,17 @@ void Underfoot::find_skin(const CollisionWorld& world, Poses& poses, const Footi
                           const Stance& stance, Vec3 by, Bearing& bearing) {
   SurfaceBelow below(world);
   skin_lift_ = least_skin_lift_ = -1e300;
+  const std::vector<double> skin = soft_skin(world);
   const size_t soles = stance.points.size() - model.skin.size();
   for (size_t n = 0; n < model.skin.size(); n++) {
     const size_t i = soles + n;
     if (stance.speed[i] > tune::kMoves || model.skin[n].facing(stance.kin).z > -tune::kFaces)
       continue;
     const Vec3 x = stance.points[i];
-    const Surface s = below.find(poses, x + by, tune::kPressedIn, tune::kCarries);
+    Surface s = below.find(poses, x + by, tune::kPressedIn, tune::kCarries);
     if (!s.found) continue;
+    const int body = model.skin[n].body[0];
+    if (body < (int)skin.size()) s.height -= skin[body], s.layer += skin[body];
     bearing.points[i] = {{0, 0, s.height}, s.shape, 1, s.layer > 0};
     const double frame = s.height + world.settings.clearance - x.z;
     least_skin_lift_ = std::max(least_skin_lift_, frame);

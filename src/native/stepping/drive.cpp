@@ -67,6 +67,9 @@ void Drive::begin_frame(const DriveSettings& s, const double* qpos, double* qvel
   for (int i = 0; i < nv; i++) gain_[i] = qvel[first_dof() + i] - deviation_[i];
   motion.reference(v_ref_.data());
   for (int i = 0; i < nv; i++) gain_[i] = motion.first() ? 0 : rate * (v_ref_[i] - gain_[i]);
+  // What layers carry they also speed up: a motion that lands on them takes nothing from its fall.
+  if (s.time_constant > 0 && footing.layers.carry())
+    deviation_[2] -= footing.layers.share() * gain_[2] / rate;
   if (s.time_constant == 0) set_velocities(s, qpos + first_qpos(), qvel);
 }
 

@@ -5,8 +5,9 @@
 // target, deviations up and down decay at the rate r = kLayerDamping, and all of its bodies have the share w of
 // their weight:
 //
-//   v*_z = v_ref,z + exp(-r h) e_z - h w g / s
+//   v*_z = v_ref,z + exp(-r h) e_z - h w g / s,    e_z -= w (change of v_ref,z) as a frame begins
 //
+// so that layers carry w m (g + a), a the motion's acceleration: who lands on them sinks deeper than who stands.
 // With M^ = s (M + ...) the last term is exactly the generalised force w M e_z g of gravity, on limbs too. At rest
 // e = 0 and v = 0: then M^ (0 - v*) = sum J^T p, and the normal forces of the layers sum to w m g, whatever their
 // laws, the frame rate or the substeps.

@@ -89,7 +89,7 @@ def test_the_pressures_of_a_layer_sum_to_the_weight(kind, soft):
 
 
 @pytest.mark.parametrize("shift", [-0.03, 0.03])
-def test_a_clip_that_floats_over_a_mattress_or_is_sunk_in_it_comes_to_rest_at_the_same_height(shift):
+def test_clips_that_float_or_are_sunk_come_to_rest_at_the_same_height(shift):
     here, there = rests("lies", "mattress"), rests("lies", "mattress", shift=shift)
     assert pressed(there, "bed") == pytest.approx(weight(), rel=MISSES)
     assert sink(there) == pytest.approx(sink(here), abs=SAME)

@@ -134,12 +134,16 @@ class _Surface:
                 break
             left, far, place = left[short], far[short], place[short]
             away = (inner[left] - place) / np.maximum(far, 1e-12)[:, None]
-            inner[left] += (t[left] - far)[:, None] * away
+            # What came out on another side goes back in through where that is nearest.
+            side = np.where(self._inside(inner[left]), 1.0, -1.0)
+            inner[left] = place + (side * t[left])[:, None] * away
         good = self.distance(inner) >= (1.0 - 2.0 * NEAR) * t
         good &= np.linalg.norm(inner - start, axis=1) <= LONGEST * t + 1e-12
-        if self._closed:
-            good &= self._query.inside(inner)
-        return inner, good
+        return inner, good & self._inside(inner)
+
+    def _inside(self, points: Array) -> NDArray[np.bool_]:
+        """Whether points (n, 3) are in the solid; of a surface that is not closed, all are."""
+        return self._query.inside(points) if self._closed else np.ones(len(points), dtype=bool)
 
 
 def plane_offsets(vertices: Array, faces: Indices) -> Array:

@@ -59,6 +59,22 @@ def test_a_soft_box_sinks_into_itself_on_a_hard_floor():
     assert 0.1 - frame.objects["box"][0][2] == pytest.approx(DEPTH, rel=SINK)
 
 
+def test_a_soft_lift_carries_what_stands_on_it():
+    """At rest for a second, then up at half a metre per second."""
+    scene = hp.Scene()
+    way = [(0.0, 0.0, z) for z in (0.0, 0.0, 0.5, 1.0)]
+    scene.add_moving("lift", hp.Box((1.0, 1.0, 0.4)), way, fps=1.0, soft=LAYER)
+    scene.add_object("box", hp.Box((0.2, 0.2, 0.2)), mass=MASS, position=(0, 0, 0.3))
+    simulator = hp.Simulator(scene, body=[])
+    simulator.reset([])
+    for _ in range(75):
+        frame = simulator.step([])
+    assert frame.objects["lift"][0][2] > 0.7
+    sunk = frame.objects["lift"][0][2] + 0.3 - frame.objects["box"][0][2]
+    assert sunk == pytest.approx(DEPTH, rel=SINK)
+    assert frame.soft_contacts.force.sum(axis=0)[2] == pytest.approx(MASS * 9.81, rel=SINK)
+
+
 def test_nothing_soft_has_no_pressures_and_no_samples():
     simulator, frame = rested(hp.Plane(), 0.0, layer=None, frames=1)
     assert frame.soft_contacts is None

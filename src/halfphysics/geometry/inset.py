@@ -97,14 +97,17 @@ class _Surface:
         Twice the way to where the distance from the surface is largest.
         """
         last = most / (2.0 * SHARE) * (1.0 + 1.0 / STEPS)
-        share = np.arange(1, STEPS + 1) / STEPS
-        found = np.stack([self._far(s * last) for s in share])
-        falls = found[1:] < found[:-1] - OPPOSITE * last / STEPS
         result = np.full(len(most), np.inf)
-        some = np.flatnonzero(falls.any(axis=0))
-        if not len(some):
+        # Where the way's end is as far from the surface as from its start, nothing is near it.
+        open_ = np.flatnonzero(self._far(last) < (1.0 - NEAR) * last)
+        share = np.arange(1, STEPS + 1) / STEPS
+        found = np.stack([self._far(s * last[open_], open_) for s in share])
+        falls = found[1:] < found[:-1] - OPPOSITE * last[open_] / STEPS
+        chosen = np.flatnonzero(falls.any(axis=0))
+        if not len(chosen):
             return result
-        first, end = falls.argmax(axis=0)[some], last[some]
+        some = open_[chosen]
+        first, end = falls.argmax(axis=0)[chosen], last[some]
         low = np.where(first == 0, 0.0, share[np.maximum(first - 1, 0)]) * end
         high = share[first + 1] * end
         for _ in range(HALVINGS):

@@ -965,6 +965,10 @@ constexpr double kSeatShare = 0.5, kLeastLayerShare = 0.01;
 // Firmness of the joints of the legs of somebody whom layers carry, who bears the weight on them: at 1 ankles on a
 // mattress give way by 30 degrees, at 30 by 2.
 constexpr double kLegFirmness = 30;
+// Rate of the spring that turns the root of somebody who lies on layers back to the motion [rad/s]: some 250 N m/rad,
+// where a mattress has 14,000. Who lies has this share of the weight on layers, and a pelvis whose axis has no more than
+// the last of the vertical.
+constexpr double kLyingRate = 5, kLiesShare = 0.9, kLiesFlat = 0.5;
 // Rate at which a person who rests on layers loses velocity off its motion, up or down [1/s]: what muscles and flesh
 // damp, some 0.3 of the critical on a mattress. At 100, as the drive has it, sinking takes seconds.
 constexpr double kLayerDamping = 10;

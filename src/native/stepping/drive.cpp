@@ -189,6 +189,17 @@ Drive::Ahead Drive::ahead(const DriveSettings& s, const double* target, double d
   return {turned ? turn : Quat{}, {drift.x, drift.y, up}};
 }
 
+namespace {
+
+// Who lies on layers is turned by them, until their pressures balance the weight.
+bool lies_on_layers(const Drive& d, const double* q) {
+  if (!d.sits || d.footing.layers.share() < tuning::footing::kLiesShare) return false;
+  const Vec3 up = to_matrix(load4(q + d.balls()[0].qpos)).col(1);
+  return std::fabs(up.z) < tuning::footing::kLiesFlat;
+}
+
+}  // namespace
+
 // v* with a time constant.
 void Drive::spring_velocity(const DriveSettings& s, int k, double h, const double* q,
                             double* v) const {
@@ -203,6 +214,11 @@ void Drive::spring_velocity(const DriveSettings& s, int k, double h, const doubl
     const Vec3 xi = capped(log_quat(conjugate(ref) * load4(q + b.qpos)), most);
     const Vec3 e = load3(&deviation_[b.dof]) - (h / (tau * tau)) * xi;
     store3(v + b.dof, load3(&v_ref_[b.dof]) + (1 / sc) * e);
+    if (i > 0 || !lies_on_layers(*this, q)) continue;
+    const double rate = tuning::footing::kLyingRate;
+    const double keeps = elementary::exp(-tuning::footing::kLayerDamping * h);
+    store3(v + b.dof, load3(&v_ref_[b.dof]) + keeps * load3(&deviation_[b.dof]) -
+                          (h * rate * rate / sc) * xi);
   }
 }
 

@@ -8,6 +8,7 @@
 #include "stepping/contact_cache.h"
 #include "stepping/effective_inertia.h"
 #include "stepping/islands.h"
+#include "stepping/soft_contacts.h"
 #include "stepping/step_budget.h"
 #include "stepping/system.h"
 
@@ -119,8 +120,18 @@ struct Diagnostics {  // of one frame
   double lost_time = 0;  // [s]
 };
 
+// A sample under pressure at the end of a frame.
+struct SoftPoint {
+  int layer_static = -1,
+      layer_shape = -1;       // what is pressed; -1: the other, or a shape's own layer
+  int shape = 0, sample = 0;  // what presses, by the caller's number
+  Vec3 position, normal;      // of the sample; from the layer outward, unit
+  double depth = 0, pressure = 0, area = 0;  // [m], [Pa], projected [m^2]
+};
+
 struct FrameResult {
   std::vector<Touch> touches;
+  std::vector<SoftPoint> soft;
   // Every contact point that carried an impulse, one by one, where somebody asks for them.
   struct Point {
     int shape, other_static, other_shape;
@@ -171,6 +182,7 @@ struct Data {
   EffectiveInertia inertia;
   ContactCache cache;
   Islands islands;
+  SoftContacts soft;
   StepBudget budget;
   FrameResult result;
   Probe probe;

@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "stepping/layer_load.h"
 #include "tuning.h"
 
 namespace hp {
@@ -15,6 +16,7 @@ void Stepper::start_asleep(int body) {
 void Stepper::finish(const std::vector<int>& person_roots) {
   system.finish(person_roots);
   data_.finish(system);
+  data_.soft.finish(system);
   kinematic_.finish(system.model);
   prescribed_.finish(system.model);
   substep_.finish();
@@ -33,7 +35,9 @@ void Stepper::reset(const double* qpos, const double* qvel) {
     d.reset(&state.qpos[d.first_qpos()], state.qvel.data());
   }
   data_.cache.clear();
+  data_.soft.reset(model);
   data_.result.touches.clear();
+  data_.result.soft.clear();
   probe.solve_times.clear();
   world.broad_phase.forget();
   world.asleep.assign(model.nbody, 0);  // what they rest on is known when they wake
@@ -66,6 +70,7 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
   paths_.travel(system, data_);
   Aiming::end(system, data_.result);
   StandingLoad::end_frame(system, data_.result, dt);
+  end_layer_frame(system, data_.result, dt);
 }
 
 // Steps busy trees, while free ones stand at the start of their paths. If busy trees get farther
@@ -164,6 +169,7 @@ void Stepper::load(const std::vector<double>& state) {
   snapshot().check(state);
   snapshot().load(state);
   data_.result.touches.clear();
+  data_.result.soft.clear();
   data_.result.points.clear();
 }
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import os
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, cast
@@ -39,14 +39,16 @@ class View:
     Attributes:
         drawing: The meshes; one frame per picture.
         cameras: One per picture.
-        statics: Static surfaces, world frame.
+        statics: Name -> static surface, world frame.
+        faint: Names of those that are drawn as glass.
         look: Light and background.
         place: Its part of the picture.
     """
 
     drawing: Drawing
     cameras: Sequence[Camera]
-    statics: Sequence[Surface]
+    statics: Mapping[str, Surface]
+    faint: Collection[str]
     look: Look
     place: Place
 
@@ -109,8 +111,10 @@ class Shoot:
             camera = view.cameras[index]
             story = view.drawing.moving(index, ghost=self.options.ghost)
             left, top, right, bottom = view.place
+            still = {**view.statics, **view.drawing.dented(index, view.faint)}
+            edges = view.drawing.edges(camera, view.size[1], index)
             sheet[top:bottom, left:right] = render(
-                [*view.statics, *story, *view.drawing.edges(camera, view.size[1])],
+                [*still.values(), *story, *edges],
                 camera,
                 view.size,
                 samples=self.options.samples,
@@ -193,7 +197,8 @@ def _views(
                 View(
                     drawing=drawing,
                     cameras=cameras,
-                    statics=list(drawing.still(faint).values()),
+                    statics=drawing.still(faint),
+                    faint=faint,
                     look=Look.of(drawing.theme).aimed(
                         cameras[len(cameras) // 2], drawings[0].middle
                     ),

@@ -32,9 +32,9 @@ LONGEST = 6.0
 OPPOSITE = 0.7
 #: Steps along the way at which the middle of a wall is looked for, and halvings of the best one:
 #: to a thousandth.
-STEPS, HALVINGS = 24, 12
+STEPS, HALVINGS = 12, 12
 #: Pushes away from sides that are too near, and the share of t that may be left.
-PUSHES, NEAR = 16, 1e-3
+PUSHES, NEAR = 16, 2e-3
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ class _Surface:
             left, far, place = left[short], far[short], place[short]
             away = (inner[left] - place) / np.maximum(far, 1e-12)[:, None]
             inner[left] += (t[left] - far)[:, None] * away
-        good = self.distance(inner) >= (1.0 - 5.0 * NEAR) * t
+        good = self.distance(inner) >= (1.0 - 2.0 * NEAR) * t
         good &= np.linalg.norm(inner - start, axis=1) <= LONGEST * t + 1e-12
         if self._closed:
             good &= self._query.inside(inner)

@@ -38,20 +38,20 @@ class Soft:
         stiffness: Pressure per depth at small depths, k [Pa/m]: modulus over thickness.
         damping: Pressure per speed of indentation, c [Pa s/m]; None: 0.01 s times the stiffness.
         law: "linear": p = k d + c d' down to the frame. "foam": stiffens towards full compression,
-            and gives back less than it took.
-        hysteresis: Of "foam": stiffness of a second spring that slackens under load and comes back
-            slowly, as a share of `stiffness`.
-        recovery: Of "foam": the time in which that happens [s].
-        densification: Of "foam": the share of the thickness from which it stiffens (0 to 1).
+            and gives back less than it took: p = k d (1 + densification (d/thickness)^4) + c d',
+            and beside it a spring that slackens.
+        densification: Of "foam": see `law`.
+        hysteresis: Of "foam": stiffness of the spring that slackens, as a share of `stiffness`.
+        recovery: Of "foam": the time in which it does, and in which the surface comes back [s].
     """
 
     thickness: float
     stiffness: float
     damping: float | None = None
     law: Literal["foam", "linear"] = "foam"
+    densification: float = 1.5
     hysteresis: float = 0.3
     recovery: float = 0.5
-    densification: float = 0.6
 
     def __post_init__(self) -> None:
         check = FieldChecks(self)
@@ -77,9 +77,9 @@ class Soft:
             why=f" [Pa s/m], which is {MOST_TIME:g} s times the stiffness",
         )
         check.choice("law", "foam", "linear")
-        check.number("hysteresis", least=0.0, most=10.0)
+        check.number("densification", least=0.0, most=1000.0)
+        check.number("hysteresis", least=0.0, most=100.0)
         check.number("recovery", least=1e-3, most=SLOWEST_RECOVERY, why=" [s]")
-        check.number("densification", least=0.05, most=0.95)
 
     @staticmethod
     def named(name: str, *, thickness: float | None = None) -> Soft:
@@ -114,9 +114,9 @@ class Soft:
             stiffness=stiffness,
             damping=material.damping_time * stiffness,
             law="foam",
+            densification=material.densification,
             hysteresis=material.hysteresis,
             recovery=material.recovery,
-            densification=material.densification,
         )
 
     def thinner(self, thickness: float) -> Soft:

@@ -28,12 +28,13 @@ class SoftMaterial:
     """A foam.
 
     Attributes:
-        modulus: Pressure per share of the thickness, small [Pa]: stiffness times thickness.
+        modulus: Pressure per share of the thickness, small and slow [Pa]: stiffness times thickness.
         thickness: Usual thickness of its layer [m].
         damping_time: Damping over stiffness, c/k [s].
         hysteresis: Stiffness that slackens under load, as a share of the one that stays.
         recovery: Time in which that happens, and in which the foam comes back [s].
-        densification: Share of the thickness from which it stiffens.
+        densification: How much it stiffens: pressure at full compression is 1 + this many times
+            that of a spring. 1.5: 65 % takes 3.3 times the pressure of 25 %.
         source: Where the values come from.
     """
 
@@ -61,7 +62,7 @@ MATERIALS: Mapping[str, SoftMaterial] = MappingProxyType(
             damping_time=0.01,
             hysteresis=0.35,
             recovery=0.5,
-            densification=0.6,
+            densification=1.5,
             source=f"Seat cushion of polyurethane foam, ILD 35 lbf. {_TEST}",
         ),
         "mattress": SoftMaterial(
@@ -70,7 +71,7 @@ MATERIALS: Mapping[str, SoftMaterial] = MappingProxyType(
             damping_time=0.01,
             hysteresis=0.3,
             recovery=0.5,
-            densification=0.6,
+            densification=1.5,
             source=f"Mattress core of polyurethane foam, ILD 28 lbf. {_TEST}",
         ),
         "pillow": SoftMaterial(
@@ -79,7 +80,7 @@ MATERIALS: Mapping[str, SoftMaterial] = MappingProxyType(
             damping_time=0.05,
             hysteresis=1.0,
             recovery=4.0,
-            densification=0.6,
+            densification=1.5,
             source=(
                 "Slow-recovery (viscoelastic) foam, ILD 10 lbf: a hand's print is left behind and "
                 "goes within seconds "
@@ -93,7 +94,7 @@ MATERIALS: Mapping[str, SoftMaterial] = MappingProxyType(
             damping_time=0.015,
             hysteresis=0.5,
             recovery=0.2,
-            densification=0.7,
+            densification=3.0,
             source=(
                 "Gymnastics landing mat of 0.2 m: a 24 kg impactor sank 0.088 to 0.118 m and "
                 "displaced 0.030 to 0.044 m^3 at peak forces of 4.0 to 7.8 kN (the effective mass "

@@ -2,7 +2,7 @@
 
 Formats with morph targets have weights over time for a few shapes: with the depths D (T, m) of the
 frames and, scaled, the changes of the normals N (T, 3 w), the singular value decomposition of
-[D, N] gives both, so that positions and shading are right together.
+[D, N] (`halfphysics.results.low_rank`) gives both, so that positions and shading are right together.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.render.result_meshes import CREASE
+from halfphysics.results.low_rank import low_rank
 from halfphysics.writers.normals import creased, vertex_normals
 
 if TYPE_CHECKING:
@@ -26,8 +27,6 @@ Ints = NDArray[np.int64]
 TOLERANCE = 5e-4
 #: Most shapes of one surface, and most numbers of all of them: 4 bytes each.
 MOST_SHAPES, MOST_NUMBERS = 64, 6_000_000
-# Frames from which the shapes of a long result are made.
-_MOST_FRAMES = 300
 # A change of a unit normal by 1 counts as this depth [m].
 _NORMAL = 0.005
 
@@ -82,30 +81,13 @@ def dent_shapes(moving: MovingSurface) -> tuple[Array, Array, Array]:
         weights (T, k), of which the largest of each shape is 1 or -1.
     """
     dent = moving.dent
-    depth = np.asarray(dent.depth, dtype=np.float64)
-    some = np.unique(np.linspace(0, len(depth) - 1, min(len(depth), _MOST_FRAMES)).astype(int))
     rest = vertex_normals(moving.vertices, moving.faces)
-    turned = np.stack([moving.at(frame)[1] - rest for frame in some.tolist()])
-    both = np.concatenate([depth[some], _NORMAL * turned.reshape(len(some), -1)], axis=1)
-    _, vectors = np.linalg.eigh(both @ both.T)
-    count = min(MOST_SHAPES, len(some), max(MOST_NUMBERS // (6 * len(moving.own)), 1))
-    basis = vectors[:, ::-1][:, :count].T @ both  # orthogonal rows, the largest first
-    size = np.maximum(np.linalg.norm(basis, axis=1), 1e-300)
-    m = depth.shape[1]
-    weights = np.zeros((len(depth), count))
-    weights[some] = both @ (basis / size[:, None]).T / size
-    missing = np.setdiff1d(np.arange(len(depth)), some)
-    if len(missing):  # by their depths alone
-        weights[missing] = np.linalg.lstsq(basis[:, :m].T, depth[missing].T, rcond=1e-6)[0].T
-    left, used = depth.copy(), 0
-    while used < count and np.abs(left).max() > TOLERANCE:
-        left -= weights[:, used, None] * basis[used, :m]
-        used += 1
-    weights, basis = weights[:, :used], basis[:used]
-    scale = np.abs(weights).max(axis=0, initial=1e-300)
-    basis, weights = basis * scale[:, None], weights / scale
-    whole = np.zeros((used, len(dent.layer.surface)))
-    whole[:, dent.vertices] = basis[:, :m]
+    turned = np.stack([moving.at(frame)[1] - rest for frame in range(len(dent))])
+    most = min(MOST_SHAPES, max(MOST_NUMBERS // (6 * len(moving.own)), 1))
+    weights, depth, normal = low_rank(
+        dent.depth, TOLERANCE, most, _NORMAL * turned.reshape(len(dent), -1)
+    )
+    whole = np.zeros((len(depth), len(dent.layer.surface)))
+    whole[:, dent.vertices] = depth
     offsets = whole[:, moving.own, None] * moving.way
-    normals = basis[:, m:].reshape(used, -1, 3) / _NORMAL
-    return offsets, normals, weights
+    return offsets, normal.reshape(len(depth), -1, 3) / _NORMAL, weights

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -27,12 +27,14 @@ Picture = NDArray[np.uint8]
 SUFFIXES = (".png", *encoding.FILMS, ".npz")
 # Largest width and height of the map itself, and the least of the picture [pixels].
 _MOST, _LEAST_WIDTH = (760, 560), 420
-# Room left, above, right (the bar) and below [pixels]; text and its small print.
+# Room left, above, right (the bar) and below [pixels].
 _LEFT, _ABOVE, _RIGHT, _BELOW = 58, 52, 104, 46
-_TEXT, _SMALL = 14, 12
-_BAR = 16
+#: Size of text and of small print [pixels].
+TEXT, SMALL = 14, 12
+_BAR, _LEAST_BAR = 16, 96
 _PAPER, _GRID = (255, 255, 255), (214, 218, 224)
-_INK = tuple(round(255 * c) for c in LIGHT.ink)
+#: Colour of text.
+INK = tuple(round(255 * c) for c in LIGHT.ink)
 # Frames of a film per second, at most.
 _MOST_FPS = {".gif": 20.0}
 # Frames from which the palette of a GIF is computed.
@@ -74,7 +76,7 @@ def save_pressure(
         FileError: The file cannot be written.
         MissingDependencyError: ffmpeg, which .mp4 and .webm need, is not installed.
     """
-    from halfphysics.base.atomic import atomic_path, atomic_write
+    from halfphysics.base.atomic import atomic_write
 
     path = file_path(path)
     suffix = path.suffix.lower()
@@ -93,22 +95,52 @@ def save_pressure(
         with atomic_write(path) as file:
             Image.fromarray(picture(made, frame, most)).save(file, format="PNG")
         return path
-    step = max(1, int(np.ceil(made.fps / _MOST_FPS.get(suffix, 60.0) - 1e-6)))
-    rate, frames = made.fps / step, range(0, len(made), step)
-    size = _layout(made, even=True).size
+    end = _end(made, None, most)
+
+    def pictures(frames: Sequence[int]) -> Iterator[Picture]:
+        for k in frames:
+            yield picture(made, k, end, even=True)
+
+    write_pictures(path, pictures, _layout(made, even=True).size, len(made), made.fps)
+    return path
+
+
+def write_pictures(
+    path: Path,
+    pictures: Callable[[Sequence[int]], Iterator[Picture]],
+    size: tuple[int, int],
+    frames: int,
+    fps: float,
+) -> None:
+    """Write a film of pictures that are drawn as they are needed, by the suffix of its name.
+
+    Args:
+        path: .mp4, .webm or .gif; whole or not at all.
+        pictures: Draws those of given frames.
+        size: Their width and height [pixels].
+        frames: Number of frames of the result.
+        fps: Its frames per second.
+
+    Raises:
+        FileError: The file cannot be written.
+        MissingDependencyError: ffmpeg, which .mp4 and .webm need, is not installed.
+    """
+    from halfphysics.base.atomic import atomic_path
+
+    suffix = path.suffix.lower()
+    step = max(1, int(np.ceil(fps / _MOST_FPS.get(suffix, 60.0) - 1e-6)))
+    rate, shown_frames = fps / step, range(0, frames, step)
     encoding.check_film(suffix, size, rate)
-    most = _end(made, None, most)
     with atomic_path(path) as temporary:
         if suffix == ".gif":
-            chosen = np.unique(np.linspace(0, len(frames) - 1, _GIF_SAMPLES).astype(int))
-            samples = (picture(made, frames[k], most, even=True) for k in chosen)
+            chosen = np.unique(np.linspace(0, len(shown_frames) - 1, _GIF_SAMPLES).astype(int))
+            samples = pictures([shown_frames[k] for k in chosen.tolist()])
             with temporary.open("wb") as gif:
-                encoding.save_gif(gif, _all(made, frames, most), samples, rate)
+                encoding.save_gif(gif, pictures(shown_frames), samples, rate)
         else:
             with encoding.encoder(temporary, suffix, size, rate) as write:
-                for one in _all(made, frames, most):
+                for one in pictures(shown_frames):
                     write(one)
-    return path
 
 
 def arrays_of(made: PressureMap) -> dict[str, NDArray[Any]]:
@@ -156,16 +188,16 @@ def picture(
     painted = np.rint(255.0 * shades(smooth / end)).astype(np.uint8)
     sheet.paste(Image.fromarray(painted), (left, top))
     draw = ImageDraw.Draw(sheet)
-    text, small = (ImageFont.load_default(size) for size in (_TEXT, _SMALL))
+    text, small = (ImageFont.load_default(size) for size in (TEXT, SMALL))
     _draw_scale(draw, made, layout, small)
-    _draw_bar(sheet, draw, layout, end, small)
+    draw_bar(sheet, (right + 22, top), max(bottom - top, _LEAST_BAR), end, small)
     when = (
         "largest of all frames"
         if frame is None
         else f"frame {frame}, {frame / made.fps:.2f} s"
     )
-    draw.text((left, 10), f"{made.name}, {made.side}: {when}", fill=_INK, font=text)
-    draw.text((left, 30), _figures(made, frame, values), fill=_INK, font=small)
+    draw.text((left, 10), f"{made.name}, {made.side}: {when}", fill=INK, font=text)
+    draw.text((left, 30), _figures(made, frame, values), fill=INK, font=small)
     return np.asarray(sheet)
 
 
@@ -174,7 +206,7 @@ def _figures(made: PressureMap, frame: int | None, values: NDArray[np.float32]) 
     if frame is None:
         return f"{largest}, up to {made.force.max(initial=0.0):.0f} N"
     square = 1e4 * float(made.area()[frame])
-    return f"{largest}, {made.force[frame]:.0f} N, {square:.0f} cm\u00b2 over 0.5 kPa"
+    return f"{largest}, {made.force[frame]:.0f} N, {square:.0f} square cm over 0.5 kPa"
 
 
 def _end(made: PressureMap, frame: int | None, most: float | None) -> float:
@@ -189,7 +221,10 @@ def _layout(made: PressureMap, even: bool) -> _Layout:
     wide, high = columns * made.cell, rows * made.cell
     scale = min(_MOST[0] / wide, _MOST[1] / high)
     width, height = max(round(wide * scale), 1), max(round(high * scale), 1)
-    whole = [max(_LEFT + width + _RIGHT, _LEAST_WIDTH), _ABOVE + height + _BELOW]
+    whole = [
+        max(_LEFT + width + _RIGHT, _LEAST_WIDTH),
+        _ABOVE + max(height, _LEAST_BAR) + _BELOW,
+    ]
     if even:
         whole = [side + side % 2 for side in whole]
     return _Layout(
@@ -207,7 +242,7 @@ def _draw_scale(draw: Any, made: PressureMap, layout: _Layout, font: Any) -> Non
     if made.outline is not None:
         ends = (made.outline - made.corner) * layout.scale
         (x0, y0), (x1, y1) = ends
-        draw.rectangle([left + x0, bottom - y1, left + x1 - 1, bottom - y0 - 1], outline=_INK)
+        draw.rectangle([left + x0, bottom - y1, left + x1 - 1, bottom - y0 - 1], outline=INK)
         start = ends[0]
     for axis, length in enumerate((right - left, bottom - top)):
         metres = (length - start[axis]) / layout.scale
@@ -216,33 +251,34 @@ def _draw_scale(draw: Any, made: PressureMap, layout: _Layout, font: Any) -> Non
             at = start[axis] + k * step * layout.scale
             label = f"{100 * k * step:.0f}" + (" cm" if k == 0 else "")
             if axis == 0:
-                draw.line([left + at, bottom, left + at, bottom + 4], fill=_INK)
-                draw.text((left + at, bottom + 7), label, fill=_INK, font=font, anchor="ma")
+                draw.line([left + at, bottom, left + at, bottom + 4], fill=INK)
+                draw.text((left + at, bottom + 7), label, fill=INK, font=font, anchor="ma")
             else:
-                draw.line([left - 5, bottom - at, left - 1, bottom - at], fill=_INK)
+                draw.line([left - 5, bottom - at, left - 1, bottom - at], fill=INK)
                 if k:
-                    draw.text((left - 9, bottom - at), label, fill=_INK, font=font, anchor="rm")
+                    draw.text((left - 9, bottom - at), label, fill=INK, font=font, anchor="rm")
 
 
-def _draw_bar(sheet: Any, draw: Any, layout: _Layout, end: float, font: Any) -> None:
-    """The colours and what they mean, right of the map."""
-    from PIL import Image
+def draw_bar(sheet: Any, corner: tuple[int, int], height: int, end: float, font: Any) -> None:
+    """Draw the colours and what they mean on a picture of Pillow's.
 
-    _, top, right, bottom = layout.box
-    x = right + 22
-    height = max(bottom - top, 8 * _SMALL)
+    Args:
+        sheet: The picture.
+        corner: Left and top of the bar [pixels].
+        height: Of the bar [pixels].
+        end: Pressure at the end of the colours [Pa].
+        font: Of the numbers.
+    """
+    from PIL import Image, ImageDraw
+
+    draw = ImageDraw.Draw(sheet)
+    x, top = corner
     share = np.linspace(1.0, 0.0, height)
     strip = np.rint(255.0 * shades(np.tile(share[:, None], (1, _BAR)))).astype(np.uint8)
-    strip = strip[: layout.size[1] - top]
-    sheet.paste(Image.fromarray(strip), (x, top))
-    draw.rectangle([x, top, x + _BAR - 1, top + len(strip) - 1], outline=_GRID)
+    sheet.paste(Image.fromarray(strip), corner)
+    draw.rectangle([x, top, x + _BAR - 1, top + height - 1], outline=_GRID)
     for k in range(5):
         y = top + round((height - 1) * (1.0 - k / 4.0))
-        draw.line([x + _BAR, y, x + _BAR + 4, y], fill=_INK)
+        draw.line([x + _BAR, y, x + _BAR + 4, y], fill=INK)
         label = f"{1e-3 * end * k / 4.0:.3g}" + (" kPa" if k == 4 else "")
-        draw.text((x + _BAR + 8, y), label, fill=_INK, font=font, anchor="lm")
-
-
-def _all(made: PressureMap, frames: range, most: float) -> Iterator[Picture]:
-    for frame in frames:
-        yield picture(made, frame, most, even=True)
+        draw.text((x + _BAR + 8, y), label, fill=INK, font=font, anchor="lm")

@@ -98,12 +98,12 @@ class LayerRows:
 
 def dents_of(result: Result) -> Mapping[str, Dent]:
     """Name -> dent, for every soft thing of a result that anything ever presses."""
-    rows = getattr(result, "soft_contacts", None)
+    rows = result.soft_contacts
     found: dict[str, Dent] = {}
     for index in [] if rows is None else np.unique(rows.layer).tolist():
         name = result.names[index]
         item = result.scene.statics.get(name) or result.scene.objects.get(name)
-        if item is None or getattr(item, "soft", None) is None:
+        if item is None or item.soft is None:
             continue
         mine = rows[rows.layer == index]
         position, turn = poses(result, name, mine.frame)

@@ -1,7 +1,7 @@
 """The surface of a soft layer, and how it gives where something presses.
 
-A layer has a visible surface and a hard frame below it, vertex by vertex; a vertex that gives goes
-on the straight line to its frame. What presses is known at samples: points with the depth that they
+A layer has a visible surface and a hard frame below it. A vertex that gives goes against the normals
+of its faces. What presses is known at samples: points with the depth that they
 are in the layer. The surface w(x) >= 0 (depth, in metres) is that of foam under a skin: springs
 that also pull at each other,
 
@@ -41,11 +41,15 @@ MOST_VERTICES = 20_000
 _LEFT = float(np.exp(-4.0))
 # Distances between samples are taken to be in this range [m].
 _SPACING = (0.004, 0.04)
+# Of as many neighbours as this, the farthest says how far apart samples are.
+_AROUND = 3
 # A vertex this near to a sample, in distances between them, is in the contact.
 _COVERED = 0.75
 # Depths in the contact are fitted to this many samples, by weights that fall off over this part of
 # the distance between them.
 _NEIGHBOURS, _WIDTH = 8, 0.7
+# Directions along which the faces' normals hardly differ do not count; the longest way for a metre.
+_SMALL, _LONGEST = 1e-4, 2.0
 # Rounds of the search for the smallest surface; the first that spread the depth along edges.
 _SPREAD, _SMOOTH = 14, 16
 # A sample presses on vertices whose outward direction is within 72 degrees of its own.
@@ -89,7 +93,7 @@ class LayerSurface:
 
     Attributes:
         surface: Unloaded vertices (V, 3) [m].
-        inner: The frame's vertices below them (V, 3) [m].
+        inner: Where each is when all of the layer has given (V, 3) [m]: on the frame or above it.
         faces: (F, 3), outward.
         thickness: Of the layer at every vertex (V,) [m].
     """
@@ -124,7 +128,7 @@ class LayerSurface:
 
         None: short everywhere.
         """
-        values = np.column_stack([self.surface, self.inner, self.thickness])
+        values = np.column_stack([self.surface, self.thickness])
         faces: Ints = np.asarray(self.faces, dtype=np.int64)
         if places is None:
             values, faces = subdivided(values, faces, COARSE, MOST_VERTICES)
@@ -132,8 +136,17 @@ class LayerSurface:
             for length, reach in ((COARSE, REACH), (PITCH, _CLOSE)):
                 near = _Near(places, reach)
                 values, faces = subdivided(values, faces, length, MOST_VERTICES, near)
+        surface, thickness = values[:, :3], values[:, 3]
+        way = _inward(surface, faces)
+        # Nowhere below the frame: where the thickness changes, the way may end a little inside it.
+        frame = MeshQuery(self.inner, self.faces)
+        inside = frame.depth(surface + thickness[:, None] * way)
+        thickness = np.maximum(thickness - inside, 0.0)
         return LayerSurface(
-            surface=values[:, :3], inner=values[:, 3:6], faces=faces, thickness=values[:, 6]
+            surface=surface,
+            inner=surface + thickness[:, None] * way,
+            faces=faces,
+            thickness=thickness,
         )
 
     def part(self, vertices: Ints) -> LayerSurface:
@@ -218,19 +231,19 @@ class LayerSurface:
 
         found = np.zeros(len(self.surface))
         tree = cKDTree(pressed.place)
-        spacing = _SPACING[1]
-        if len(pressed) > 1:
-            spacing = float(np.median(tree.query(pressed.place, k=2)[0][:, 1]))
-        spacing = float(np.clip(spacing, *_SPACING))
+        spacing = _spacing(tree, pressed.place)
         count = min(_NEIGHBOURS, len(pressed))
-        r, row = tree.query(self.surface, k=count, distance_upper_bound=2.0 * spacing)
+        far = 2.0 * float(spacing.max())
+        r, row = tree.query(self.surface, k=count, distance_upper_bound=far)
         r, row = r.reshape(-1, count), row.reshape(-1, count)
-        mine = np.flatnonzero(r[:, 0] < _COVERED * spacing)
+        near = np.minimum(row[:, 0], len(pressed) - 1)
+        mine = np.flatnonzero(r[:, 0] < _COVERED * spacing[near])
         r, row = r[mine], np.minimum(row[mine], len(pressed) - 1)
+        spacing = spacing[row[:, :1]]
         same = np.einsum("vi,vki->vk", self.outward[mine], pressed.normal[row]) > _SAME_SIDE
         weight = np.where(np.isfinite(r) & same, np.exp(-((r / (_WIDTH * spacing)) ** 2)), 0.0)
         depth = pressed.depth[row]
-        way = (pressed.place[row] - self.surface[mine][:, None]) / spacing
+        way = (pressed.place[row] - self.surface[mine][:, None]) / spacing[:, :, None]
         terms = np.concatenate([np.ones((*r.shape, 1)), way], axis=2)
         normal = np.einsum("vk,vki,vkj->vij", weight, terms, terms)
         normal += np.diag([1e-9, 0.05, 0.05, 0.05])  # few samples say nothing of a slope
@@ -260,6 +273,38 @@ def _reduced(operation: Any, values: Array, starts: Sequence[int] | Ints) -> Arr
     """Sum or largest of the values of each vertex's edges; of one without edges, anything."""
     padded = np.append(values, 0.0)  # the last vertex may have no edge
     result: Array = operation.reduceat(padded, starts)
+    return result
+
+
+def _inward(points: Array, faces: Ints) -> Array:
+    """Where vertices go for each metre of depth (V, 3): n . d = -1 for the faces around each.
+
+    The least squares solution, by area: on a flat side against its normal, at an edge aslant.
+    """
+    corners = points[faces]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    twice = np.maximum(np.linalg.norm(across, axis=1), 1e-300)
+    unit = across / twice[:, None]
+    count, flat = len(points), faces.ravel()
+
+    def around(values: Array) -> Array:
+        return np.bincount(flat, np.repeat(twice * values, 3), count)
+
+    whole = np.maximum(around(np.ones(len(faces))), 1e-300)
+    right = np.stack([around(column) for column in unit.T], axis=1) / whole[:, None]
+    matrix = np.stack([[around(a * b) for a in unit.T] for b in unit.T]).transpose(2, 0, 1)
+    matrix = matrix / whole[:, None, None] + _SMALL * np.eye(3)
+    result: Array = -(1.0 + _SMALL) * np.linalg.solve(matrix, right[..., None])[..., 0]
+    size = np.linalg.norm(result, axis=1)
+    return result * np.minimum(1.0, _LONGEST / np.maximum(size, 1e-12))[:, None]
+
+
+def _spacing(tree: Any, places: Array) -> Array:
+    """Distance of each sample from those around it (n,) [m]: on a grid, its pitch."""
+    around = min(_AROUND, len(places) - 1)
+    if around < 1:
+        return np.full(len(places), _SPACING[0])
+    result: Array = np.clip(tree.query(places, k=around + 1)[0][:, around], *_SPACING)
     return result
 
 

@@ -37,7 +37,8 @@ def test_the_bands_are_the_surface():
 
 def test_without_pressure_it_keeps_its_colour():
     (piece,) = banded(ball(), np.zeros(len(ball().vertices)), 1000.0)
-    assert piece.color == GREY and len(piece.faces) == len(ball().faces)
+    assert piece.color == GREY
+    assert len(piece.faces) == len(ball().faces)
 
 
 def test_above_the_end_it_has_the_last_colour():

@@ -30,7 +30,7 @@ def test_the_arrays_are_the_pressures(tmp_path):
 
 def test_mistakes_are_named_and_nothing_is_written(tmp_path):
     result = soft_result()
-    with pytest.raises(InputError, match="expected a name in .png"):
+    with pytest.raises(InputError, match=r"expected a name in \.png"):
         save_skin_pressure(result, tmp_path / "skin.svg")
     with pytest.raises(InputError, match="frame: found 16, but the result has 16 frames"):
         save_skin_pressure(result, tmp_path / "skin.png", frame=16)

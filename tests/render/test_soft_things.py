@@ -34,7 +34,8 @@ def test_what_nothing_presses_is_drawn_as_before():
     drawing = Drawing(hard())
     assert drawing.dented(DIP) == {}
     surface = drawing.still()["static/bed"]
-    assert len(surface.vertices) == 8 and len(surface.faces) == 12
+    assert len(surface.vertices) == 8
+    assert len(surface.faces) == 12
 
 
 def test_a_film_between_frames_shows_dents_between_theirs():
@@ -55,8 +56,8 @@ def test_edges_of_a_bed_that_nothing_presses_are_those_of_a_box():
 def test_edges_go_along_where_a_side_gives():
     item = Drawing(soft_result()).statics["static/bed"]
     found = border(item.surface)
-    moved = found.at(item.at(0).vertices + [0.0, 0.0, 1.0])
-    np.testing.assert_allclose(moved, found.at(item.at(0).vertices) + [0.0, 0.0, 1.0])
+    up, vertices = np.array([0.0, 0.0, 1.0]), item.at(0).vertices
+    np.testing.assert_allclose(found.at(vertices + up), found.at(vertices) + up)
 
 
 def test_a_sheet_of_pictures_shows_the_dent():

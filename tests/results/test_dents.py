@@ -38,7 +38,8 @@ def test_of_a_result_what_is_soft_and_pressed_dents():
     result = soft_result()
     assert list(result.dents) == ["bed"]
     dent = result.dents["bed"]
-    assert len(dent) == FRAMES and dent.name == "bed"
+    assert len(dent) == FRAMES
+    assert dent.name == "bed"
     # The ball's lowest sample is 7 mm beside its lowest point: 0.3 mm higher.
     deepest = int(np.argmax(dent.depth.max(axis=1)))
     assert deepest == 1 + FRAMES // 4
@@ -84,7 +85,8 @@ def test_foam_springs_back_in_part_and_then_slowly():
 
 def test_what_is_linear_springs_back_at_once():
     dent = stamped(hp.Soft(0.15, 5e4, law="linear"))
-    assert dent.depth[29].max() > 0.03 and not dent.depth[30:].any()
+    assert dent.depth[29].max() > 0.03
+    assert not dent.depth[30:].any()
 
 
 def test_a_thing_that_moves_dents_in_its_own_frame():
@@ -117,7 +119,8 @@ def test_a_thing_that_moves_dents_in_its_own_frame():
     middle = FRAMES // 4
     assert ours.depth[middle].max() == pytest.approx(theirs.depth[middle].max(), abs=1e-4)
     place = ours.layer.surface[ours.vertices[ours.depth[middle].argmax()]]
-    assert np.linalg.norm(place[:2] - (0.7, 0.35)) < 0.02 and place[2] == pytest.approx(BED[2] / 2)
+    assert np.linalg.norm(place[:2] - (0.7, 0.35)) < 0.02
+    assert place[2] == pytest.approx(BED[2] / 2)
 
 
 def test_between_frames_a_dent_is_between_theirs():

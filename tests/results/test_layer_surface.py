@@ -57,7 +57,7 @@ def height(layer, samples, w):
 
 def test_a_box_of_twelve_faces_is_as_deep_as_a_flat_stamp():
     points, depth = flat(0.04)
-    layer, samples, w = pressed_by(points, depth)
+    layer, _samples, w = pressed_by(points, depth)
     under = (np.abs(layer.surface[:, :2]) < (0.09, 0.29)).all(axis=1)
     under &= layer.surface[:, 2] > TOP - 1e-9
     assert under.sum() > 100
@@ -65,7 +65,7 @@ def test_a_box_of_twelve_faces_is_as_deep_as_a_flat_stamp():
 
 
 def test_beside_the_contact_it_fades_as_a_membrane_on_springs():
-    """w = d exp(-x / l) beside a long stamp, a fiftieth taken off; the edge is known to a sample."""
+    """w = d exp(-x / l) beside a long stamp, less a fiftieth; its edge is known to a sample."""
     points, depth = flat(0.04)
     layer, _, w = pressed_by(points, depth)
     x, y, z = layer.surface.T
@@ -85,7 +85,8 @@ def test_it_is_exactly_flat_where_nothing_presses():
     points, depth = flat(0.04)
     layer, _, w = pressed_by(points, depth)
     far = np.abs(layer.surface[:, 0]) > 0.1 + 1.3 * REACH
-    assert far.any() and (w[far] == 0.0).all()
+    assert far.any()
+    assert (w[far] == 0.0).all()
     below = layer.surface[:, 2] < -TOP + 1e-9
     assert (w[below] == 0.0).all()
     np.testing.assert_array_equal(layer.at(w)[far], layer.surface[far])
@@ -109,7 +110,8 @@ def test_there_is_no_bulge_and_it_never_goes_below_the_frame():
     points, depth, _ = ball(0.3, 0.2, 0.02)
     layer, _, w = pressed_by(points, depth)
     assert w.min() >= 0.0
-    assert (w <= layer.thickness).all() and w.max() == pytest.approx(THICK, abs=1e-6)
+    assert (w <= layer.thickness).all()
+    assert w.max() == pytest.approx(THICK, abs=1e-6)
     inner = np.abs(layer.at(w)) - (SIZE / 2 - THICK)
     assert (inner.max(axis=1) >= -1e-9).all()
 

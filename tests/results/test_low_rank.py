@@ -26,12 +26,14 @@ def test_the_tolerance_is_that_of_the_worst_number_and_saves_rows():
     rng = np.random.default_rng(2)
     table = waves(50) + 1e-3 * rng.standard_normal((50, 400))
     weights, rows, _ = low_rank(table, 0.02, 64)
-    assert len(rows) == 5 and np.abs(weights @ rows - table).max() <= 0.02
+    assert len(rows) == 5
+    assert np.abs(weights @ rows - table).max() <= 0.02
 
 
 def test_there_are_no_more_rows_than_asked():
     weights, rows, _ = low_rank(waves(50), 1e-9, 3)
-    assert rows.shape == (3, 400) and weights.shape == (50, 3)
+    assert rows.shape == (3, 400)
+    assert weights.shape == (50, 3)
 
 
 def test_columns_beside_get_the_same_weights():
@@ -43,4 +45,5 @@ def test_columns_beside_get_the_same_weights():
 
 def test_a_table_of_zeros_needs_none():
     weights, rows, _ = low_rank(np.zeros((4, 9)), 1e-6, 8)
-    assert weights.shape == (4, 0) and rows.shape == (0, 9)
+    assert weights.shape == (4, 0)
+    assert rows.shape == (0, 9)

@@ -16,7 +16,8 @@ def test_the_force_on_the_skin_is_that_of_its_samples():
     result = soft_result()
     body = result.people[0].body
     pressure = skin_pressure(result)
-    assert pressure.shape == (FRAMES, len(body.rest_vertices)) and pressure.dtype == np.float32
+    assert pressure.shape == (FRAMES, len(body.rest_vertices))
+    assert pressure.dtype == np.float32
     rows = result.soft_contacts
     mine = rows.other == 2
     force = np.bincount(rows.frame[mine], (rows.pressure * rows.area)[mine], FRAMES)

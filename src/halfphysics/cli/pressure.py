@@ -81,8 +81,9 @@ class Command:
 
         made = pressure_map(result, self.of, side=self.side, cell=0.01 * self.cell)
         save_pressure(made, self.out, frame=self.frame, most=self._pascals)
-        line = f"{made.name}, {made.side}: up to {1e-3 * float(made.pressure.max(initial=0)):.1f} kPa"
-        print(f"{line}, {made.force.max(initial=0.0):.0f} N")
+        largest = 1e-3 * float(made.pressure.max(initial=0.0))
+        force = float(made.force.max(initial=0.0))
+        print(f"{made.name}, {made.side}: up to {largest:.1f} kPa, {force:.0f} N")
         if made.missed > 0.05:
             print(
                 f"up to {100.0 * made.missed:.0f} % of the force of a frame is on other sides; "
@@ -99,6 +100,4 @@ class Command:
                 f"person: {', '.join(names)}"
             )
         index = 0 if self.of is None else names.index(self.of)
-        save_skin_pressure(
-            result, self.out, person=index, frame=self.frame, most=self._pascals
-        )
+        save_skin_pressure(result, self.out, person=index, frame=self.frame, most=self._pascals)

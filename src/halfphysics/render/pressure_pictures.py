@@ -191,11 +191,7 @@ def picture(
     text, small = (ImageFont.load_default(size) for size in (TEXT, SMALL))
     _draw_scale(draw, made, layout, small)
     draw_bar(sheet, (right + 22, top), max(bottom - top, _LEAST_BAR), end, small)
-    when = (
-        "largest of all frames"
-        if frame is None
-        else f"frame {frame}, {frame / made.fps:.2f} s"
-    )
+    when = "largest of all frames" if frame is None else f"frame {frame}, {frame / made.fps:.2f} s"
     draw.text((left, 10), f"{made.name}, {made.side}: {when}", fill=INK, font=text)
     draw.text((left, 30), _figures(made, frame, values), fill=INK, font=small)
     return np.asarray(sheet)

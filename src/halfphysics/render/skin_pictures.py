@@ -12,10 +12,16 @@ from numpy.typing import NDArray
 
 from halfphysics.base.validation import file_path, is_whole, number, shown
 from halfphysics.errors import InputError
-from halfphysics.render.film import encoding
 from halfphysics.render.look import LIGHT
 from halfphysics.render.pressure_colors import scale_end
-from halfphysics.render.pressure_pictures import INK, SMALL, SUFFIXES, TEXT, draw_bar, write_pictures
+from halfphysics.render.pressure_pictures import (
+    INK,
+    SMALL,
+    SUFFIXES,
+    TEXT,
+    draw_bar,
+    write_pictures,
+)
 from halfphysics.render.rasterizer import Camera, Look, Surface, render
 from halfphysics.render.skin_bands import banded
 

@@ -1,9 +1,9 @@
 """The surface of a soft layer, and how it gives where something presses.
 
-A layer has a visible surface and a hard frame below it. A vertex that gives goes against the normals
-of its faces. What presses is known at samples: points with the depth that they
-are in the layer. The surface w(x) >= 0 (depth, in metres) is that of foam under a skin: springs
-that also pull at each other,
+A layer has a visible surface and a hard frame below it. A vertex that gives goes against the
+normals of its faces. What presses is known at samples: points with the depth that they are in the
+layer. The surface w(x) >= 0 (depth, in metres) is that of foam under a skin: springs that also pull
+at each other,
 
     w - l^2 laplace(w) = 0 beside the contact,  w >= the depth of the samples in it,
 
@@ -226,7 +226,7 @@ class LayerSurface:
         return result
 
     def _in_contact(self, pressed: Pressed) -> Array:
-        """Depth at the vertices between samples (V,) [m]: a plane fitted to those nearby; else 0."""
+        """Depth at vertices between samples (V,) [m]: a plane fitted to those nearby; else 0."""
         from scipy.spatial import cKDTree
 
         found = np.zeros(len(self.surface))

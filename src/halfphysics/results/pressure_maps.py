@@ -133,7 +133,8 @@ def pressure_map(
     place = rot.rotate(back, rows.position - position)
     normal = rot.rotate(back, rows.normal)
     if side is None:
-        carried = [(np.clip(normal @ np.array(a[2]), 0.0, None) * force).sum() for a in SIDES.values()]
+        views = [np.array(axes[2]) for axes in SIDES.values()]
+        carried = [(np.clip(normal @ view, 0.0, None) * force).sum() for view in views]
         side = list(SIDES)[int(np.argmax(carried))]
     axes = np.array(SIDES[side], dtype=np.float64)
     facing = normal @ axes[2]

@@ -245,7 +245,7 @@ class Stage:
         return self._statics[name]
 
     def soft_items(self) -> list[tuple[str, Item, Any]]:
-        """Name as in `Drawing`, item and viser's handle of the soft items that something presses."""
+        """Name as in `Drawing`, item and viser's handle of soft items that something presses."""
         nodes = [
             *((f"static/{name}", handle) for name, handle in self._statics.items()),
             *((f"object/{name}", handle) for name, handle in self._objects.items()),

@@ -2,7 +2,7 @@
 
 Formats with morph targets have weights over time for a few shapes: with the depths D (T, m) of the
 frames and, scaled, the changes of the normals N (T, 3 w), the singular value decomposition of
-[D, N] (`halfphysics.results.low_rank`) gives both, so that positions and shading are right together.
+[D, N] (`halfphysics.results.low_rank`) gives both, so that positions and shading agree.
 """
 
 from __future__ import annotations

@@ -55,9 +55,7 @@ def lying(frames=FRAMES, sink=0.03):
     body = Body.default()
     rotations = np.zeros((frames, N_JOINTS, 3))
     rotations[:, 0] = rot.log(
-        rot.multiply(
-            rot.exp(np.array([0.0, 0.0, np.pi / 2])), rot.exp(np.array([0.0, 0.0, 0.0]))
-        )
+        rot.multiply(rot.exp(np.array([0.0, 0.0, np.pi / 2])), rot.exp(np.array([0.0, 0.0, 0.0])))
     )
     for joint, side in ((16, -1.0), (17, 1.0)):
         rotations[:, joint, 2] = side * 1.2

@@ -15,7 +15,7 @@
 //
 // What rests is read from the reference: what is slow and low. A sole that would be under a surface
 // is lifted whether it rests or not, and nothing that is over the static ground gets into it as the
-// person comes down. A motion whose feet are at the ground is not changed by one bit,
+// person comes down. While soft layers carry it the height is theirs (on_layers.h). A motion whose feet are at the ground is not changed by one bit,
 // and where there is nothing under a person nothing is corrected.
 #pragma once
 #include <memory>
@@ -24,6 +24,7 @@
 #include "footing/bearing.h"
 #include "footing/footing_model.h"
 #include "footing/footwork.h"
+#include "footing/on_layers.h"
 #include "footing/stance.h"
 #include "footing/underfoot.h"
 #include "footing/way_round.h"
@@ -34,6 +35,7 @@ class Footing {
  public:
   std::shared_ptr<const FootingModel> model;  // none: off
   Bearing bearing;                            // what it weighs on
+  OnLayers layers;                            // and how much of it soft layers carry
   WayRound way;                               // back to the path
 
   bool on() const { return model != nullptr; }

@@ -131,8 +131,10 @@ void Aiming::begin(System& system, Data& data, const double* targets, double dt)
   for (Drive& d : system.drives) {
     d.motion.goes_round = false;
     Vec3 displaced = d.motion.displaced(s, targets, dt, state.qpos.data());
-    // Who has been lifted onto something stands there, and not on what is below.
-    if (d.footing.on() && d.carried && displaced.z > tune::kRaised) {
+    // Who has been lifted onto something stands there, and not on what is below; who rests on soft layers
+    // is as high as they have it.
+    const bool lifted = d.carried && displaced.z > tune::kRaised;
+    if (d.footing.on() && (lifted || d.footing.layers.carry())) {
       d.footing.raise(displaced.z);
       d.motion.raise(displaced.z);
       displaced.z = 0;

@@ -67,6 +67,9 @@ void Drive::begin_frame(const DriveSettings& s, const double* qpos, double* qvel
   for (int i = 0; i < nv; i++) gain_[i] = qvel[first_dof() + i] - deviation_[i];
   motion.reference(v_ref_.data());
   for (int i = 0; i < nv; i++) gain_[i] = motion.first() ? 0 : rate * (v_ref_[i] - gain_[i]);
+  // What layers carry they also speed up: a motion that lands on them takes nothing from its fall.
+  if (s.time_constant > 0 && footing.layers.carry())
+    deviation_[2] -= footing.layers.share() * gain_[2] / rate;
   if (s.time_constant == 0) set_velocities(s, qpos + first_qpos(), qvel);
 }
 
@@ -180,6 +183,8 @@ void Drive::spring_velocity(const DriveSettings& s, int k, double h, const doubl
                             double* v) const {
   const double tau = s.time_constant, sc = scale(s, h);
   for (int i = 0; i < 3; i++) v[i] = v_ref_[i] + deviation_[i] / sc;
+  if (footing.layers.carry())
+    v[2] = v_ref_[2] + elementary::exp(-tuning::footing::kLayerDamping * h) * deviation_[2];
   for (int i = 0; i < ball_count(); i++) {
     const Ball& b = balls()[i];
     const Quat ref = motion.before(b) * exp_quat((k * h) * load3(&v_ref_[b.dof]));

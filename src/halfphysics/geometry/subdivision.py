@@ -42,13 +42,14 @@ def subdivided(
     Returns:
         Values (W, k), those given first, and faces (G, 3).
     """
-    values, faces = np.asarray(values, dtype=np.float64), np.asarray(faces, dtype=np.int64)
+    values = np.asarray(values, dtype=np.float64)
+    triangles: Ints = np.asarray(faces, dtype=np.int64)
     for _ in range(_ROUNDS):
-        cut = _edges_to_cut(values[:, :3], faces, length, near)
+        cut = _edges_to_cut(values[:, :3], triangles, length, near)
         if not len(cut) or len(values) + len(cut) > most:
             break
-        values, faces = _cut(values, faces, cut)
-    return values, faces
+        values, triangles = _cut(values, triangles, cut)
+    return values, triangles
 
 
 def _edges_to_cut(

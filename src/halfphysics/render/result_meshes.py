@@ -190,7 +190,7 @@ class Drawing:
                 if dent is None:
                     pose = np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0, 0.0]])
                 else:
-                    vertices, faces = dent.layer.surface, dent.faces
+                    vertices, faces = _unpressed(dent)
                     surface = replace(surface, vertices=vertices, faces=faces, crease=180.0)
             else:
                 vertices, faces = static.mesh() if dent is None else _unpressed(dent)

@@ -100,7 +100,9 @@ def dents_of(result: Result) -> Mapping[str, Dent]:
     """Name -> dent, for every soft thing of a result that anything ever presses."""
     rows = result.soft_contacts
     found: dict[str, Dent] = {}
-    for index in [] if rows is None else np.unique(rows.layer).tolist():
+    if rows is None:
+        return MappingProxyType(found)
+    for index in np.unique(rows.layer).tolist():
         name = result.names[index]
         item = result.scene.statics.get(name) or result.scene.objects.get(name)
         if item is None or item.soft is None:

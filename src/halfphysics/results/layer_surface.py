@@ -288,15 +288,17 @@ def _inward(points: Array, faces: Ints) -> Array:
     count, flat = len(points), faces.ravel()
 
     def around(values: Array) -> Array:
-        return np.bincount(flat, np.repeat(twice * values, 3), count)
+        total: Array = np.bincount(flat, np.repeat(twice * values, 3), count)
+        return total
 
-    whole = np.maximum(around(np.ones(len(faces))), 1e-300)
+    whole: Array = np.maximum(around(np.ones(len(faces))), 1e-300)
     right = np.stack([around(column) for column in unit.T], axis=1) / whole[:, None]
-    matrix = np.stack([[around(a * b) for a in unit.T] for b in unit.T]).transpose(2, 0, 1)
-    matrix = matrix / whole[:, None, None] + _SMALL * np.eye(3)
+    products = np.array([[around(a * b) for a in unit.T] for b in unit.T]).transpose(2, 0, 1)
+    matrix = products / whole[:, None, None] + _SMALL * np.eye(3)
     result: Array = -(1.0 + _SMALL) * np.linalg.solve(matrix, right[..., None])[..., 0]
-    size = np.linalg.norm(result, axis=1)
-    return result * np.minimum(1.0, _LONGEST / np.maximum(size, 1e-12))[:, None]
+    size = np.maximum(np.linalg.norm(result, axis=1), 1e-12)
+    result *= np.minimum(1.0, _LONGEST / size)[:, None]
+    return result
 
 
 def _spacing(tree: Any, places: Array) -> Array:

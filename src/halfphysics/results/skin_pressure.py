@@ -7,7 +7,7 @@ pressure times the vertex's area is that of the samples.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,9 +69,8 @@ def vertex_areas(body: Body) -> Array:
     corners = np.asarray(body.rest_vertices)[body.faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     third = np.linalg.norm(normal, axis=1) / 6.0
-    result: Array = np.bincount(
-        np.asarray(body.faces).ravel(), np.repeat(third, 3), len(body.rest_vertices)
-    )
+    count = len(body.rest_vertices)
+    result: Array = np.bincount(np.asarray(body.faces).ravel(), np.repeat(third, 3), count)
     return result
 
 
@@ -105,7 +104,7 @@ def _nearest(result: Result, contacts: SoftContacts, person: int, rows: Ints) ->
     return out
 
 
-def _spreading(body: Body, own: Ints, width: Array) -> NDArray[np.float64]:
+def _spreading(body: Body, own: Ints, width: Array) -> Any:
     """Pressure at the vertices by a newton at each of `own` (n,): sparse (V, n) [1/m^2]."""
     from scipy.sparse import coo_array
     from scipy.spatial import cKDTree
@@ -121,7 +120,7 @@ def _spreading(body: Body, own: Ints, width: Array) -> NDArray[np.float64]:
     share = np.where(same, np.exp(-0.5 * (distance / width[column]) ** 2), 0.0)
     whole = np.bincount(column, share * vertex_areas(body)[row], len(own))
     made = coo_array((share / whole[column], (row, column)), shape=(len(rest), len(own)))
-    return made.tocsr()  # type: ignore[no-any-return]
+    return made.tocsr()
 
 
 def _normals(points: Array, faces: NDArray[np.integer]) -> Array:

@@ -77,7 +77,7 @@ def dent_document(stage: Stage, step: int) -> list[dict[str, Any]]:
     for name, item, handle in stage.soft_items():
         dent = item.dent
         assert dent is not None
-        depth = dent.depth[::step]
+        depth = dent.depth[::step].astype(np.float64)
         layer, own = dent.layer, own_vertices(item, handle)
         place = np.full(len(layer.surface), -1)
         place[dent.vertices] = np.arange(len(dent.vertices))

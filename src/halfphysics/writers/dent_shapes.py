@@ -70,7 +70,7 @@ def moving_surface(dent: Dent) -> MovingSurface:
     _, faces, _ = creased(layer.surface, layer.faces, CREASE)
     own = np.zeros(int(faces.max()) + 1, dtype=np.int64)
     own[faces.ravel()] = layer.faces.ravel()
-    return MovingSurface(dent=dent, faces=faces, own=own)
+    return MovingSurface(dent=dent, faces=faces.astype(np.int64), own=own)
 
 
 def dent_shapes(moving: MovingSurface) -> tuple[Array, Array, Array]:
@@ -85,7 +85,7 @@ def dent_shapes(moving: MovingSurface) -> tuple[Array, Array, Array]:
     turned = np.stack([moving.at(frame)[1] - rest for frame in range(len(dent))])
     most = min(MOST_SHAPES, max(MOST_NUMBERS // (6 * len(moving.own)), 1))
     weights, depth, normal = low_rank(
-        dent.depth, TOLERANCE, most, _NORMAL * turned.reshape(len(dent), -1)
+        dent.depth.astype(np.float64), TOLERANCE, most, _NORMAL * turned.reshape(len(dent), -1)
     )
     whole = np.zeros((len(depth), len(dent.layer.surface)))
     whole[:, dent.vertices] = depth

@@ -8,7 +8,10 @@ import pytest
 from halfphysics.geometry.shapes import Sphere
 from halfphysics.render.pressure_colors import RAMP
 from halfphysics.render.rasterizer import Surface
-from halfphysics.render.skin_bands import BANDS, banded
+from halfphysics.render.result_meshes import Drawing
+from halfphysics.render.skin_bands import BANDS, SkinPressures, banded
+from halfphysics.results.skin_pressure import skin_pressure
+from support.results.soft_results import soft_result
 
 GREY = (0.5, 0.5, 0.5)
 
@@ -46,3 +49,21 @@ def test_above_the_end_it_has_the_last_colour():
     dark = np.array(pieces[-1].color)
     assert len(pieces) == 1
     assert np.linalg.norm(dark - RAMP[-1]) < np.linalg.norm(dark - RAMP[-2])
+
+
+def test_a_film_colours_who_is_pressed():
+    """At fractional frames the pressures are between theirs; the film has its own colours."""
+    result = soft_result()
+    own = skin_pressure(result)
+    at = SkinPressures.of(result, np.array([3.0, 3.5, 15.0]))
+    np.testing.assert_allclose(at.values[0][1], 0.5 * (own[3] + own[4]), atol=1e-3)
+    np.testing.assert_array_equal(at.values[0][2], own[15])
+    drawing = Drawing(result)
+    every = SkinPressures.of(result, np.arange(16.0))
+    plain = {surface.color for surface in drawing.moving(15)}
+    colored = {surface.color for surface in drawing.moving(15, pressures=every)}
+    assert len(colored) > len(plain) + 3
+    # Who is not pressed yet looks as ever.
+    assert {s.color for s in drawing.moving(0, pressures=every)} == {
+        s.color for s in drawing.moving(0)
+    }

@@ -34,6 +34,7 @@ from halfphysics.render.look import (
     Theme,
 )
 from halfphysics.render.rasterizer import Camera, Surface
+from halfphysics.render.skin_bands import SkinPressures, banded
 
 if TYPE_CHECKING:
     from halfphysics.results.dents import Dent
@@ -287,12 +288,15 @@ class Drawing:
                 surfaces[f"{kind}/{k}"] = replace(skin, vertices=vertices)
         return surfaces
 
-    def moving(self, frame: int, *, ghost: bool = True) -> list[Surface]:
+    def moving(
+        self, frame: int, *, ghost: bool = True, pressures: SkinPressures | None = None
+    ) -> list[Surface]:
         """The story as pictures show it: people in clothes, ghosts where they are apart from them.
 
         Args:
             frame: Index, 0 to T-1.
             ghost: Include the reference.
+            pressures: Colour people by these.
         """
         story = self.story(frame, ghost=ghost)
         shown = [surface for name, surface in story.items() if name.startswith("object/")]
@@ -300,14 +304,17 @@ class Drawing:
         for k, person in enumerate(self.result.people):
             skin = story[f"person/{k}"]
             for piece in dressed(person.body, k):
-                shown.append(
-                    replace(
-                        skin,
-                        vertices=piece.cut.of(skin.vertices),
-                        faces=piece.cut.faces,
-                        color=piece.color,
-                    )
+                surface = replace(
+                    skin,
+                    vertices=piece.cut.of(skin.vertices),
+                    faces=piece.cut.faces,
+                    color=piece.color,
                 )
+                if pressures is None:
+                    shown.append(surface)
+                else:
+                    values = piece.cut.of(pressures.values[k][frame].astype(np.float64))
+                    shown += banded(surface, values, pressures.end)
             if ghost:
                 blue = story[f"ghost/{k}"]
                 apart = np.linalg.norm(blue.vertices - skin.vertices, axis=1)

@@ -20,8 +20,10 @@ from halfphysics.render.film.overlay import Overlay, Place
 from halfphysics.render.film.sampling import sampled
 from halfphysics.render.film.tracking import Story, hiding, track
 from halfphysics.render.look import DARK, GHOST, LIGHT, PEOPLE
+from halfphysics.render.pressure_colors import RAMP
 from halfphysics.render.rasterizer import Camera, Look, Surface, render
 from halfphysics.render.result_meshes import Drawing
+from halfphysics.render.skin_bands import SkinPressures
 
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
@@ -88,8 +90,16 @@ class Shoot:
             Drawing(cast(Any, sampled(r, f)), theme) for r, f in zip(results, frames, strict=True)
         ]
         self._count = len(frames[0])
+        # Views of one result are beside each other.
+        self._pressures: list[SkinPressures | None] = [
+            SkinPressures.of(r, f) if options.pressure else None
+            for r, f in zip(results, frames, strict=True)
+        ]
         self._views = _views(drawings, options, places, rate)
-        key = (("reference", GHOST), ("simulated", PEOPLE[0])) if options.ghost else ()
+        key = [("reference", GHOST), ("simulated", PEOPLE[0])] if options.ghost else []
+        for pressures in self._pressures[:1]:
+            if pressures is not None:
+                key += [(f"{1e-3 * pressures.end:g} kPa", RAMP[-1])]
         self._overlay = Overlay(
             self.size,
             [view.place for view in self._views],
@@ -107,9 +117,12 @@ class Shoot:
         """Picture number `index` (height, width, 3)."""
         width, height = self.size
         sheet = np.full((height, width, 3), _SEAM_COLOR, dtype=np.uint8)
-        for view in self._views:
+        cameras = len(self.options.cameras)
+        for k, view in enumerate(self._views):
             camera = view.cameras[index]
-            story = view.drawing.moving(index, ghost=self.options.ghost)
+            story = view.drawing.moving(
+                index, ghost=self.options.ghost, pressures=self._pressures[k // cameras]
+            )
             left, top, right, bottom = view.place
             still = {**view.statics, **view.drawing.dented(index, view.faint)}
             edges = view.drawing.edges(camera, view.size[1], index)

@@ -64,3 +64,9 @@ def test_a_sheet_of_pictures_shows_the_dent():
     frames = [DIP]
     soft = contact_sheet_png(soft_result(), frames=frames, columns=1, size=(160, 120))
     assert soft != contact_sheet_png(hard(), frames=frames, columns=1, size=(160, 120))
+
+
+def test_what_dents_is_never_glass():
+    drawing = Drawing(soft_result())
+    assert drawing.still(["static/bed"])["static/bed"].alpha == 1.0
+    assert Drawing(hard()).still(["static/bed"])["static/bed"].alpha < 1.0

@@ -381,7 +381,8 @@ class Drawing:
 
     def _glass(self, name: str, faint: Collection[str], frame: int) -> Surface:
         surface = self.statics[name].at(frame)
-        if name in faint:
+        # What dents is part of the story, and its dent would not show in glass.
+        if name in faint and self.statics[name].dent is None:
             surface = replace(surface, alpha=GLASS_ALPHA, rim=0.12, casts=False)
         return surface
 

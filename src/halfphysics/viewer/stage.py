@@ -271,7 +271,9 @@ class Stage:
     def _add_static(self, name: str, item: Item, faint: bool) -> Any:
         if item.surface.fade is not None and item.dent is None:
             return _add_floor(self._server, self.path(name), item, self.drawing)
-        return add_mesh(self._server, self.path(name), item, GLASS_ALPHA if faint else None)
+        return add_mesh(
+            self._server, self.path(name), item, GLASS_ALPHA if faint and item.dent is None else None
+        )
 
     def _add_edges(self, without: Collection[str]) -> list[Any]:
         """Add the edges of all statics as one node; none: there are no edges."""

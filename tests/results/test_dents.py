@@ -9,7 +9,8 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.base import rotations as rot
-from halfphysics.results.dents import LEAST, LayerRows, dent_of, layer_of
+from halfphysics.results.dents import LEAST, dent_of, layer_of
+from halfphysics.results.layer_rows import LayerRows
 from halfphysics.results.result import ObjectTrack
 from halfphysics.results.soft_contacts import SoftContacts
 from support.results.small_result import small_result
@@ -30,6 +31,8 @@ def stamped(soft, frames=60, until=30, depth=0.04):
         position=np.tile(points, (until, 1)),
         normal=np.tile([0.0, 0.0, 1.0], (until * n, 1)),
         depth=np.full(until * n, depth),
+        force=np.ones(until * n),
+        area=np.full(until * n, 1e-4),
     )
     return dent_of("bed", base, rows, frames, SECONDS, soft)
 

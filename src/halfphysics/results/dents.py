@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.base import rotations as rot
+from halfphysics.results.layer_rows import LayerRows, item_of, pressed_items, rows_of
 from halfphysics.results.layer_surface import REACH, LayerSurface
 
 if TYPE_CHECKING:
@@ -80,43 +80,17 @@ class Dent:
         return replace(self, depth=depth.astype(np.float32))
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class LayerRows:
-    """Samples that were in one layer over time, in the frame of the layer, ordered by frame.
-
-    Attributes:
-        frame: The frame (n,).
-        position, normal: Of the sample, and from the layer outward (n, 3) [m].
-        depth: Below the unloaded surface (n,) [m].
-    """
-
-    frame: Ints
-    position: Array
-    normal: Array
-    depth: Array
-
-
 def dents_of(result: Result) -> Mapping[str, Dent]:
     """Name -> dent, for every soft thing of a result that anything ever presses."""
-    rows = result.soft_contacts
+    contacts = result.soft_contacts
     found: dict[str, Dent] = {}
-    if rows is None:
+    if contacts is None:
         return MappingProxyType(found)
-    for index in np.unique(rows.layer).tolist():
-        name = result.names[index]
-        item = result.scene.statics.get(name) or result.scene.objects.get(name)
-        if item is None or item.soft is None:
-            continue
-        mine = rows[rows.layer == index]
-        position, turn = poses(result, name, mine.frame)
-        back = rot.conjugate(turn)
-        local = LayerRows(
-            frame=mine.frame,
-            position=rot.rotate(back, mine.position - position),
-            normal=rot.rotate(back, mine.normal),
-            depth=mine.depth,
-        )
-        made = dent_of(name, layer_of(item), local, len(result), 1.0 / result.fps, item.soft)
+    for index in pressed_items(result, contacts):
+        name, item = result.names[index], item_of(result, index)
+        assert item is not None and item.soft is not None
+        rows = rows_of(result, contacts, index)
+        made = dent_of(name, layer_of(item), rows, len(result), 1.0 / result.fps, item.soft)
         if len(made.vertices):
             found[name] = made
     return MappingProxyType(found)
@@ -136,16 +110,6 @@ def layer_of(item: Static | Object) -> LayerSurface:
     )
 
 
-def poses(result: Result, name: str, frame: Ints) -> tuple[Array, Array]:
-    """World positions (n, 3) [m] and quaternions (n, 4) of a static or an object in frames (n,)."""
-    static = result.scene.statics.get(name)
-    if static is None:
-        track = result.objects[name]
-        return np.asarray(track.position)[frame], np.asarray(track.quaternion)[frame]
-    count = len(frame)
-    return np.tile(static.position, (count, 1)), np.tile(static.quaternion, (count, 1))
-
-
 def dent_of(
     name: str, base: LayerSurface, rows: LayerRows, frames: int, seconds: float, soft: Soft
 ) -> Dent:
@@ -159,7 +123,7 @@ def dent_of(
         seconds: From one frame to the next [s].
         soft: The foam, which says how it comes back.
     """
-    rows = _deeper(rows)
+    rows = rows[rows.depth > 0.0]
     places = base.pressed(rows.position, rows.normal, rows.depth).place
     layer = base.finer(_thinned(places))
     pressed = layer.pressed(rows.position, rows.normal, rows.depth)
@@ -197,17 +161,6 @@ class _Recovery:
         held = pressed > self._share * free
         self._crept = np.where(held, pressed + (self._crept - pressed) * self._kept, free)
         return np.where(held, pressed, self._share * free)
-
-
-def _deeper(rows: LayerRows) -> LayerRows:
-    """The rows that are in the layer."""
-    some = rows.depth > 0.0
-    return LayerRows(
-        frame=rows.frame[some],
-        position=rows.position[some],
-        normal=rows.normal[some],
-        depth=rows.depth[some],
-    )
 
 
 def _thinned(places: Array) -> Array:

@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.base import rotations as rot
 from halfphysics.base.copying import ReadOnly
 from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import number, shown
 from halfphysics.errors import InputError
-from halfphysics.results.dents import layer_of, poses
+from halfphysics.results.dents import layer_of
+from halfphysics.results.layer_rows import pressed_items, rows_of
 
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
@@ -121,17 +121,12 @@ def pressure_map(
             has over 2^27 numbers.
     """
     contacts = checked_contacts(result)
-    force = contacts.pressure * contacts.area
-    name = _chosen(result, contacts, force, name)
+    name = _chosen(result, contacts, name)
     cell = number(cell, "cell", least=1e-3, most=1.0, unit="m")
     if side is not None and side not in SIDES:
         raise InputError(f"side: found {shown(side)}, expected one of {', '.join(SIDES)}")
-    mine = contacts.layer == result.names.index(name)
-    rows, force = contacts[mine], force[mine]
-    position, turn = poses(result, name, rows.frame)
-    back = rot.conjugate(turn)
-    place = rot.rotate(back, rows.position - position)
-    normal = rot.rotate(back, rows.normal)
+    rows = rows_of(result, contacts, result.names.index(name))
+    place, normal, force = rows.position, rows.normal, rows.force
     if side is None:
         views = [np.array(axes[2]) for axes in SIDES.values()]
         carried = [(np.clip(normal @ view, 0.0, None) * force).sum() for view in views]
@@ -188,17 +183,20 @@ def checked_contacts(result: Result) -> SoftContacts:
     return contacts
 
 
-def _chosen(result: Result, contacts: SoftContacts, force: Array, name: str | None) -> str:
-    """The name of a thing that is pressed."""
-    things = result.names[: len(result.names) - len(result.people)]
-    weight = np.bincount(contacts.layer, force, len(result.names))[: len(things)]
-    pressed = {thing: float(w) for thing, w in zip(things, weight, strict=True) if w > 0.0}
+def _chosen(result: Result, contacts: SoftContacts, name: str | None) -> str:
+    """The name of a soft thing that is pressed; None: the one that is pressed most."""
+    force = contacts.pressure * contacts.area
+    pressed = {}
+    for index in pressed_items(result, contacts):
+        mine = (contacts.layer == index) | (contacts.other == index)
+        pressed[result.names[index]] = float(force[mine].sum())
     if name is None and pressed:
         return max(pressed, key=lambda thing: pressed[thing])
     if name not in pressed:
         hint = did_you_mean(name, pressed) if isinstance(name, str) else "."
-        there = ", ".join(pressed) or "none; pressure of skins: skin_pressure"
+        there = ", ".join(pressed) or "no things; pressure on skins: --skin, skin_pressure()"
         raise InputError(f"pressure: nothing presses on {shown(name)}{hint} Pressed are: {there}")
+    assert name is not None
     return name
 
 

@@ -24,7 +24,7 @@ def stamped(soft, frames=60, until=30, depth=0.04):
     base = layer_of(bed_scene().statics["bed"])
     grid = np.arange(-0.05, 0.0501, 0.01)
     xy = np.stack(np.meshgrid(grid, grid), axis=-1).reshape(-1, 2)
-    points = np.column_stack([xy, np.full(len(xy), BED[2] / 2 - depth)])
+    points = np.column_stack([xy, np.full(len(xy), BED[2] / 2)])
     n = len(xy)
     rows = LayerRows(
         frame=np.repeat(np.arange(until), n),
@@ -59,7 +59,8 @@ def test_the_surface_is_nowhere_above_what_presses():
     for frame in range(FRAMES):
         mine = rows.at(frame)
         local = mine.position - bed
-        samples = dent.layer.pressed(local, mine.normal, mine.depth)
+        up = local + mine.depth[:, None] * mine.normal
+        samples = dent.layer.pressed(up, mine.normal, mine.depth)
         corners = dent.at(frame)[samples.corner]
         z = np.einsum("nk,nki->ni", samples.share, corners)[:, 2]
         assert (z <= local[:, 2] + LEAST).all()

@@ -29,6 +29,7 @@ def test_a_soft_ball_on_a_hard_bed_is_what_dents():
     assert [result.names[k] for k in pressed_items(result, contacts)] == ["ball"]
     rows = rows_of(result, contacts, 1)
     np.testing.assert_array_equal(rows.depth, contacts.depth)
+    # A sample of a thing is where it is; what presses a layer is put on its surface.
     # Outward from the ball is down, and the samples are on its lower half.
     np.testing.assert_allclose(rows.normal, np.tile([0.0, 0.0, -1.0], (len(rows), 1)))
     np.testing.assert_allclose(np.linalg.norm(rows.position, axis=1), RADIUS, atol=1e-6)

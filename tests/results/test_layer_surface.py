@@ -45,7 +45,7 @@ def pressed_by(points, depth, base=None):
     base = box() if base is None else base
     normal = np.tile(UP, (len(points), 1))
     layer = base.finer(points + depth[:, None] * normal)
-    samples = layer.pressed(points, normal, depth)
+    samples = layer.pressed(points + depth[:, None] * normal, normal, depth)
     return layer, samples, layer.depths(samples)
 
 

@@ -85,10 +85,7 @@ class Command:
         force = float(made.force.max(initial=0.0))
         print(f"{made.name}, {made.side}: up to {largest:.1f} kPa, {force:.0f} N")
         if made.missed > 0.05:
-            print(
-                f"up to {100.0 * made.missed:.0f} % of the force of a frame is on other sides; "
-                "--side shows them"
-            )
+            print(f"{100.0 * made.missed:.0f} % of the force is on other sides; --side shows them")
 
     def _skin(self, result: Result) -> None:
         from halfphysics.render.skin_pictures import save_skin_pressure

@@ -124,6 +124,8 @@ def dent_of(
         soft: The foam, which says how it comes back.
     """
     rows = rows[rows.depth > 0.0]
+    # What slides along a side does not press it in.
+    rows = rows[base.facing(rows.position, rows.normal)]
     places = base.pressed(rows.position, rows.normal, rows.depth).place
     layer = base.finer(_thinned(places))
     pressed = layer.pressed(rows.position, rows.normal, rows.depth)

@@ -30,7 +30,8 @@ class LayerRows:
 
     Attributes:
         frame: The frame (n,).
-        position: Of the sample (n, 3) [m].
+        position: Of the sample, put on the unloaded surface of what it presses (n, 3) [m]; a sample
+            of the layer itself is near there anyway.
         normal: From the layer outward (n, 3).
         depth: By how much the layer gives (n,) [m].
         force: Along the normal (n,) [N].
@@ -80,6 +81,7 @@ def rows_of(result: Result, contacts: SoftContacts, index: int) -> LayerRows:
     mine = contacts[rows]
     own = mine.layer == index
     normal = np.where(own[:, None], mine.normal, -mine.normal)
+    lift = np.where(own, mine.depth, 0.0)
     partner = np.where(own, mine.other, mine.layer)
     share = np.ones(len(mine))
     for other in np.unique(partner).tolist():
@@ -88,7 +90,7 @@ def rows_of(result: Result, contacts: SoftContacts, index: int) -> LayerRows:
     back = rot.conjugate(turn)
     return LayerRows(
         frame=mine.frame,
-        position=rot.rotate(back, mine.position - position),
+        position=rot.rotate(back, mine.position + lift[:, None] * normal - position),
         normal=rot.rotate(back, normal),
         depth=share * mine.depth,
         force=mine.pressure * mine.area,

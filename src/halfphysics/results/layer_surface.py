@@ -161,15 +161,24 @@ class LayerSurface:
             thickness=self.thickness[vertices],
         )
 
-    def pressed(self, position: Array, normal: Array, depth: Array) -> Pressed:
-        """Samples by where they are.
+    def facing(self, places: Array, normal: Array) -> NDArray[np.bool_]:
+        """Whether normals (n, 3) are within 72 degrees of the surface's at places (n, 3) [m]."""
+        _, face, _ = self._query.closest(places)
+        corners = self.surface[self.faces[face]]
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        along = np.einsum("ni,ni->n", across, normal)
+        result: NDArray[np.bool_] = along > _SAME_SIDE * np.linalg.norm(across, axis=1)
+        return result
+
+    def pressed(self, places: Array, normal: Array, depth: Array) -> Pressed:
+        """Samples by where they press.
 
         Args:
-            position: (n, 3) [m].
+            places: Near the unloaded surface (n, 3) [m].
             normal: From the layer outward (n, 3).
-            depth: Below the unloaded surface (n,) [m].
+            depth: Of the sample below that surface (n,) [m].
         """
-        _, face, place = self._query.closest(position + depth[:, None] * normal)
+        _, face, place = self._query.closest(places)
         corner = self.faces[face]
         share = _barycentric(self.surface[corner], place)
         most = (share * self.thickness[corner]).sum(axis=1)

@@ -68,7 +68,7 @@ class PressureMap(ReadOnly):
         cell: Side of a cell [m].
         corner: Of the map's lower left corner, the place along columns and rows [m], own axes.
         outline: Lower left and upper right corner of the thing (2, 2) [m]; a plane has none: None.
-        missed: Largest share of a frame's normal force that is on other sides.
+        missed: Share of the force of all frames that is on other sides.
         fps: Frames per second.
     """
 
@@ -134,10 +134,8 @@ def pressure_map(
     axes = np.array(SIDES[side], dtype=np.float64)
     facing = normal @ axes[2]
     seen = facing > _FACING
-    total = np.bincount(rows.frame, force * np.clip(facing, 0.0, None), len(result))
-    other = np.bincount(rows.frame, force * (1.0 - np.abs(facing)) * ~seen, len(result))
-    whole = total + other
-    missed = float((other[whole > 0.0] / whole[whole > 0.0]).max(initial=0.0))
+    other = float((force * (1.0 - np.clip(facing, 0.0, None)))[~seen].sum())
+    missed = other / max(float((force * facing)[seen].sum()) + other, 1e-12)
     flat = place[seen] @ axes[:2].T
     outline = _outline(result, name, axes)
     width = _WIDTH * np.sqrt(rows.area[seen] * facing[seen])

@@ -272,7 +272,10 @@ class Stage:
         if item.surface.fade is not None and item.dent is None:
             return _add_floor(self._server, self.path(name), item, self.drawing)
         return add_mesh(
-            self._server, self.path(name), item, GLASS_ALPHA if faint and item.dent is None else None
+            self._server,
+            self.path(name),
+            item,
+            GLASS_ALPHA if faint and item.dent is None else None,
         )
 
     def _add_edges(self, without: Collection[str]) -> list[Any]:

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from halfphysics.geometry.inset import SHARE, inset, plane_offsets
 from halfphysics.geometry.mesh import Mesh
 
-#: Pushing away from near sides stops within this share of the thickness, and the middle of a wall is
-#: found to this share of it.
+#: Pushing away from near sides stops within this share of the thickness, and the middle of a wall
+#: is found to this share of it.
 NEAR, MIDDLE = 0.004, 0.05
 
 

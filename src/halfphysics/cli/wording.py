@@ -150,7 +150,7 @@ _JOINED = ("up", "floor")
 _OTHERS = (
     "substeps stiffness drive_time recovery_rate weight blocked root root_speed clearance "
     "clearance_range contact self_contact depenetration_speed tolerance max_sweeps strength "
-    "joint_limits threads record mode internal_forces joint_damping torque_frequency "
+    "joint_limits soft_skin threads record mode internal_forces joint_damping torque_frequency "
     "torque_damping scene static object ground reference grounded size"
 )
 _NAMES = "|".join(sorted((_OF_FILES - {"mass"}) | set(_OTHERS.split()), key=len, reverse=True))

@@ -16,6 +16,7 @@ from halfphysics.errors import InputError
 from halfphysics.render.film import encoding
 from halfphysics.render.look import LIGHT
 from halfphysics.render.pressure_colors import scale_end, shades
+from halfphysics.results.layer_pressure import SHOWN
 
 if TYPE_CHECKING:
     from halfphysics.results.pressure_maps import PressureMap
@@ -202,7 +203,9 @@ def _figures(made: PressureMap, frame: int | None, values: NDArray[np.float32]) 
     if frame is None:
         return f"{largest}, up to {made.force.max(initial=0.0):.0f} N"
     square = 1e4 * float(made.area()[frame])
-    return f"{largest}, {made.force[frame]:.0f} N, {square:.0f} square cm over 0.5 kPa"
+    return (
+        f"{largest}, {made.force[frame]:.0f} N, {square:.0f} square cm over {1e-3 * SHOWN:.2g} kPa"
+    )
 
 
 def _end(made: PressureMap, frame: int | None, most: float | None) -> float:

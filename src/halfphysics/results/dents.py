@@ -98,10 +98,8 @@ def dents_of(result: Result) -> Mapping[str, Dent]:
 
 def layer_of(item: Static | Object) -> LayerSurface:
     """The layer of a soft thing, with the faces of its own shape."""
-    from halfphysics.scene.soft_frame import soft_frame
-
-    assert item.soft is not None
-    frame = soft_frame(item.shape, item.soft)
+    frame = item.soft_frame
+    assert frame is not None
     return LayerSurface(
         surface=np.asarray(frame.surface),
         inner=np.asarray(frame.inner),

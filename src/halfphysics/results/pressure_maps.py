@@ -20,6 +20,7 @@ from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import number, shown
 from halfphysics.errors import InputError
 from halfphysics.results.dents import layer_of
+from halfphysics.results.layer_pressure import SHOWN
 from halfphysics.results.layer_rows import pressed_items, rows_of
 
 if TYPE_CHECKING:
@@ -98,7 +99,7 @@ class PressureMap(ReadOnly):
         result: Array = total * self.cell**2
         return result
 
-    def area(self, least: float = 500.0) -> Array:
+    def area(self, least: float = SHOWN) -> Array:
         """Area of the cells with at least this pressure [Pa], in every frame (T,) [m^2]."""
         result: Array = (self.pressure >= least).sum(axis=(1, 2)) * self.cell**2
         return result

@@ -108,7 +108,9 @@ def stills() -> Path:
         result = play(name)
         camera = Camera(target=np.array(target), position=np.array(position), fov=34.0)
         tiles.append(shot(result, Drawing(result), round(time * result.fps), camera, _STILL))
-    return _saved(np.concatenate(tiles, axis=1), "soft-dents.png")
+    path = DOCS / "soft-dents.webp"
+    Image.fromarray(np.concatenate(tiles, axis=1)).save(path, quality=88, method=6)
+    return path
 
 
 def bed_map() -> Path:
@@ -131,11 +133,6 @@ def skin_map() -> Path:
     path = save_skin_pressure(play("stretch_on_bed"), DOCS / "pressure-skin.png", frame=-1)
     Image.open(path).quantize(128).save(path, optimize=True)
     return path
-
-
-def _saved(pixels: np.ndarray, name: str) -> Path:
-    Image.fromarray(pixels).quantize(160).save(DOCS / name, optimize=True)
-    return DOCS / name
 
 
 #: Name of a picture -> what draws it.

@@ -88,7 +88,8 @@ def dents_of(result: Result) -> Mapping[str, Dent]:
         return MappingProxyType(found)
     for index in pressed_items(result, contacts):
         name, item = result.names[index], item_of(result, index)
-        assert item is not None and item.soft is not None
+        assert item is not None
+        assert item.soft is not None
         rows = rows_of(result, contacts, index)
         made = dent_of(name, layer_of(item), rows, len(result), 1.0 / result.fps, item.soft)
         if len(made.vertices):
@@ -133,7 +134,7 @@ def dent_of(
     pressed = replace(pressed, corner=np.minimum(corner, max(len(some) - 1, 0)))
     first = np.searchsorted(rows.frame, np.arange(frames + 1))
     depth = np.zeros((frames, len(some)), dtype=np.float32)
-    back = _Recovery(soft, seconds, len(some))
+    back = Recovery(soft, seconds, len(some))
     for frame in range(frames):
         w = part.depths(pressed[first[frame] : first[frame + 1]])
         depth[frame] = back.after(w)
@@ -142,7 +143,7 @@ def dent_of(
     return Dent(name=name, layer=layer, vertices=some[gives], depth=depth[:, gives])
 
 
-class _Recovery:
+class Recovery:
     """What nothing presses, of V vertices of a layer."""
 
     def __init__(self, soft: Soft, seconds: float, count: int) -> None:

@@ -123,19 +123,19 @@ class LayerSurface:
         length = np.linalg.norm(self.surface[ends[:, 0]] - self.surface[ends[:, 1]], axis=1)
         return starts, ends[:, 1], length
 
-    def finer(self, places: Array | None) -> LayerSurface:
+    def finer(self, places: Array | None, most: int = MOST_VERTICES) -> LayerSurface:
         """The same layer with edges short enough for dents at `places` (n, 3) [m].
 
-        None: short everywhere.
+        None: short everywhere. With more than `most` vertices they stay longer.
         """
         values = np.column_stack([self.surface, self.thickness])
         faces: Ints = np.asarray(self.faces, dtype=np.int64)
         if places is None:
-            values, faces = subdivided(values, faces, COARSE, MOST_VERTICES)
+            values, faces = subdivided(values, faces, COARSE, most)
         elif len(places):
             for length, reach in ((COARSE, REACH), (PITCH, _CLOSE)):
                 near = _Near(places, reach)
-                values, faces = subdivided(values, faces, length, MOST_VERTICES, near)
+                values, faces = subdivided(values, faces, length, most, near)
         surface, thickness = values[:, :3], values[:, 3]
         way = _inward(surface, faces)
         # Nowhere below the frame: where the thickness changes, the way may end a little inside it.

@@ -297,7 +297,7 @@ def _inward(points: Array, faces: Ints) -> Array:
     count, flat = len(points), faces.ravel()
 
     def around(values: Array) -> Array:
-        total: Array = np.bincount(flat, np.repeat(twice * values, 3), count)
+        total: Array = np.bincount(flat, np.repeat(twice * values, 3), count).astype(np.float64)
         return total
 
     whole: Array = np.maximum(around(np.ones(len(faces))), 1e-300)

@@ -70,8 +70,8 @@ def vertex_areas(body: Body) -> Array:
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     third = np.linalg.norm(normal, axis=1) / 6.0
     count = len(body.rest_vertices)
-    result: Array = np.bincount(np.asarray(body.faces).ravel(), np.repeat(third, 3), count)
-    return result
+    total = np.bincount(np.asarray(body.faces).ravel(), np.repeat(third, 3), count)
+    return total.astype(np.float64)
 
 
 def _on_skin(

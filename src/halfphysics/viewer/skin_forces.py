@@ -129,7 +129,7 @@ def soft_points(result: Result) -> SoftPoints | None:
     key = np.column_stack([mine.frame, person, np.floor(place / CUBE).astype(np.int64)])
     cubes, own = np.unique(key, axis=0, return_inverse=True)
     own = own.reshape(-1)
-    total = np.bincount(own, force, len(cubes))
+    total = np.bincount(own, force, len(cubes)).astype(np.float64)
     sums = [np.bincount(own, force * column, len(cubes)) for column in place.T]
     return SoftPoints(
         frame=cubes[:, 0],

@@ -125,6 +125,27 @@ def test_a_result_with_pressures_comes_back_from_its_file(tmp_path):
     assert np.array_equal(many.soft_contacts.pressure, result.soft_contacts.pressure)
 
 
+def test_very_many_pressures_are_kept_of_every_second_frame(monkeypatch):
+    scene = hp.Scene()
+    scene.add_static("bed", hp.Plane(offset=-0.5), soft=LAYER)
+    scene.add_object("box", hp.Box((0.2, 0.2, 0.2)), mass=MASS, position=(1, 0, -0.42))
+    motion = hp.Motion(np.tile([0.0, 0.0, 2.0], (20, 1)), np.zeros((20, 55, 3)), 30.0)
+    settings = hp.Settings(weight=False)
+    whole = hp.simulate(motion, scene, settings=settings).soft_contacts
+    monkeypatch.setattr("halfphysics.simulation.recording.MOST_PRESSED", len(whole) // 3)
+    with pytest.warns(hp.HalfPhysicsWarning, match="of every 4. frame only"):
+        some = hp.simulate(motion, scene, settings=settings).soft_contacts
+    assert np.array_equal(some.pressure, whole[whole.frame % 4 == 0].pressure)
+
+
+def test_baselines_of_another_engine_refuse_what_is_soft():
+    scene = hp.Scene()
+    scene.add_static("bed", hp.Plane(), soft="mat")
+    motion = hp.Motion(np.tile([0.0, 0.0, 2.0], (3, 1)), np.zeros((3, 55, 3)), 30.0)
+    with pytest.raises(hp.errors.InputError, match="'bed' is soft; this baseline"):
+        hp.simulate(motion, scene, settings=hp.baselines.EngineVelocity())
+
+
 def test_samples_of_several_pieces_lie_on_the_surface_of_all_of_them():
     """An L of two boxes that share a face: nothing inside, and the area of the L."""
     tall, flat = trimesh.creation.box((0.1, 0.1, 0.3)), trimesh.creation.box((0.2, 0.1, 0.1))

@@ -249,6 +249,15 @@ _PHRASES = _compiled(
         r"add_object and add_static take what is rigid": "what is rigid is an object or static",
         r"add_static takes planes": "planes are static",
         r"with scene\.add_static": "with --static",
+        r"; or give halfphysics\.Soft\(thickness, stiffness\)": (
+            "; a scene file may give thickness and stiffness instead"
+        ),
+        r"expected halfphysics\.Soft\(thickness, stiffness\) or one of ": (
+            "expected thickness and stiffness, or one of "
+        ),
+        r"expected [Tt]rue, [Ff]alse or a halfphysics\.body\.soft_skin\.SoftSkin": (
+            "expected yes or no"
+        ),
         r"say where with joints=(\{[^}]*\})": r"say where with joints: \1",
         r", give pieces=\[convex meshes\], or say pieces=\"hull\"": ", or say pieces=hull",
         r"cuts finer; pieces=\[convex meshes\] gives your own": "cuts finer",

@@ -954,15 +954,21 @@ constexpr double kPressureGain = 1e-4, kLeastPressureStep = 1e-6;
 // A part that is put on a soft layer goes so far below its surface [m], by no more than this share of its thickness:
 // contacts carry it from there on.
 constexpr double kDips = 5e-3, kDipsShare = 0.25;
-// Layers carry a person from the first share of its weight on, and no more below the second: a hand that brushes a
-// cushion while feet carry is none.
-constexpr double kCarryFrom = 0.01, kCarryNot = 1e-4;
+// Layers carry a person from this share of its weight on: what is less is nothing.
+constexpr double kCarryFrom = 1e-4;
 // Time constants of the share of the weight that layers are to carry, and of the centre of their pressure [s]:
 // shorter than people sit down in, longer than steps of contact.
 constexpr double kLayerShareTime = 0.05, kLayerCentreTime = 0.05;
 // Share of the weight that layers have at least under somebody who sits on them, where the moments leave a choice; and
 // in any case.
 constexpr double kSeatShare = 0.5, kLeastLayerShare = 0.01;
+// Firmness of the joints of the legs of somebody whom layers carry, who bears the weight on them: at 1 ankles on a
+// mattress give way by 30 degrees, at 30 by 2.
+constexpr double kLegFirmness = 30;
+// Rate of the spring that turns the root of somebody who lies on layers back to the motion [rad/s]: some 250 N m/rad,
+// where a mattress has 14,000. Who lies has this share of the weight on layers, and a pelvis whose axis has no more than
+// the last of the vertical.
+constexpr double kLyingRate = 5, kLiesShare = 0.9, kLiesFlat = 0.5;
 // Rate at which a person who rests on layers loses velocity off its motion, up or down [1/s]: what muscles and flesh
 // damp, some 0.3 of the critical on a mattress. At 100, as the drive has it, sinking takes seconds.
 constexpr double kLayerDamping = 10;
@@ -1001,6 +1007,18 @@ constexpr int kMostPatches = 3;
 constexpr double kPatchNormal = 0.7;
 // A patch narrower than this about its middle is a line, or a point [m].
 constexpr double kPointSpread = 5e-4;
+// Nor does a patch of a person turn its part by more than its middle does, where it resists turning by less
+// than this [kg m^2]: h^2 times its stiffness. A thigh has 0.1.
+constexpr double kFirmTurn = 2e-3;
+// Samples that face away from a layer by more than this cosine cannot come to press it in a step.
+constexpr double kFacesAway = -0.5;
+// Edge of a cell that foam remembers in [m], and the memory that is none [m]. Smaller cells: a dent of finer
+// shape, and what slides finds fresh foam more often.
+// The grid is shifted by a share of a cell, so that no surface at a round number lies on a border.
+constexpr double kCell = 0.02, kCellShift = 0.3717, kForgotten = 1e-5;
+// Objects on layers so stiff that (omega h)^2 is over this are stepped by implicit Euler: a step does not
+// show their bounce, and a rule that keeps its energy would ring.
+constexpr double kStiffBounce = 1;
 // Beyond this sum of tilts a point of the patch would have to pull; 1 is where it carries nothing.
 constexpr double kMostTilt = 1;
 // Distances whose direction is rounding alone [m].
@@ -1017,8 +1035,8 @@ constexpr int kMostPasses = 5;
 // What looking at a sample is taken to cost [multiplications, of 0.125 ns].
 constexpr double kSampleWork = 2e3;
 // The pressures at the end are those of the solve if the sums of force and moment differ by less than this
-// share, or by an impulse that small [N s].
-constexpr double kRightShare = 3e-4, kRightImpulse = 1e-7;
+// share, or by an impulse that small [N s]: free objects must not gain energy by it, people are driven.
+constexpr double kRightShare = 3e-4, kRightShareDriven = 3e-3, kRightImpulse = 1e-7;
 
 }  // namespace hp::tuning::soft
 

@@ -74,6 +74,7 @@ class Footing {
     Stance::View view;
     const double* from = nullptr;  // the corrected target before: qpos of the person
     Vec3 displaced;                // how far the root will be off its path, and is above it now [m]
+    double rises = 0;  // how much higher layers will have it at the end of the frame [m]
   };
   // A frame towards the pose in `target` (the model's qpos), which is corrected.
   void frame(const Model& m, const CollisionWorld& world, Poses& poses, int root_qpos,
@@ -84,10 +85,10 @@ class Footing {
 
  private:
   Leg::Place place(size_t leg) const;
-  bool wanted_height(double& height) const;
+  bool wanted_height(double& height, bool starts) const;
   void come_down(const CollisionWorld& world, Vec3 displaced, double from, double dt);
   void move_height(double dt, double gravity);
-  double wanted_lift(size_t leg, double dt);
+  double wanted_lift(size_t leg, double height, double dt);
   Footwork::Foot moved_foot(const Poses& poses, size_t leg, Vec3 slid) const;
   void move_feet(const CollisionWorld& world, Poses& poses, const Frame& frame);
   void find_left(const Poses& poses, double dt);

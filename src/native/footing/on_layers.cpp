@@ -34,7 +34,7 @@ void OnLayers::advance(double h) {
 
 void OnLayers::pressed(double weights, Vec3 centre, double dt) {
   const bool before = carry_;
-  carry_ = weights > (before ? tune::kCarryNot : tune::kCarryFrom);
+  carry_ = weights > tune::kCarryFrom;
   if (!carry_) {
     share_ = target_ = pressed_ = 0;
     return;

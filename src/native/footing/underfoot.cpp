@@ -46,6 +46,7 @@ void Underfoot::find(const CollisionWorld& world, Poses& poses, const FootingMod
       const double top = s.layer > 0 ? s.top() - dips(s) : ground.back();
       feet[f].lift = std::max(feet[f].lift, top - x.z);
     }
+    feet[f].least = std::min(feet[f].least, feet[f].lift);
   }
   // Skin is seen from where contacts hold the person up.
   find_skin(world, poses, model, stance,

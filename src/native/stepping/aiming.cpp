@@ -168,7 +168,8 @@ void Aiming::place_feet(System& system, State& state, Drive& d, const double* as
   Footing::Frame frame;
   const Drive::Ahead ahead = d.ahead(s, asked, dt, qpos);
   frame.from = d.motion.target().data();
-  frame.displaced = d.motion.displaced(s, asked, dt, qpos) + ahead.drift;
+  frame.displaced = d.motion.displaced(s, asked, dt, qpos) + Vec3{ahead.drift.x, ahead.drift.y, 0};
+  frame.rises = ahead.drift.z;
   frame.view = {dt, d.clock.passed(), norm(system.gravity), ahead.turned, 1 - d.clock.rate()};
   d.footing.frame(system.model, system.world, state.pose, d.first_qpos(), frame, target_.data());
   for (size_t f = 0; f < d.footing.model->legs.size(); f++) {

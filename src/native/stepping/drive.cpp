@@ -101,13 +101,22 @@ double DriveSettings::resistance(double lambda, double h) const {
 
 namespace {
 
-// Firmness of a ball. Toes of a foot that is on the ground bear on it: as light as they are, they would
+bool is_leg(const Footing& footing, int body) {
+  for (const Leg& leg : footing.model->legs)
+    if (body == leg.hip || body == leg.knee || body == leg.ankle || body == leg.toes) return true;
+  return false;
+}
+
+// Firmness of a ball. Legs of whom layers carry bear its weight against them. Toes of a foot that is on the ground bear on it: as light as they are, they would
 // curl under the foot.
 double firmness(const Drive& d, const DriveSettings& s, int ball) {
   const double lambda = d.stiffness()[ball], toes = tuning::footing::kToeFirmness;
   if (!d.footing.on() || s.time_constant == 0 || lambda == 0 || lambda >= toes) return lambda;
   const int body = d.body(ball);
-  return d.footing.has_toes(body) && d.footing.bears(body) ? toes : lambda;
+  if (d.footing.has_toes(body) && d.footing.bears(body)) return toes;
+  return d.footing.layers.carry() && is_leg(d.footing, body)
+             ? std::max(lambda, tuning::footing::kLegFirmness)
+             : lambda;
 }
 
 }  // namespace
@@ -175,8 +184,21 @@ Drive::Ahead Drive::ahead(const DriveSettings& s, const double* target, double d
     }
   }
   const Quat turn = normalized(after * exp_quat(off) * conjugate(after));
-  return {turned ? turn : Quat{}, {drift.x, drift.y, 0}};
+  // On layers it goes on as it does.
+  const double up = footing.layers.carry() ? dt * deviation_[2] : 0;
+  return {turned ? turn : Quat{}, {drift.x, drift.y, up}};
 }
+
+namespace {
+
+// Who lies on layers is turned by them, until their pressures balance the weight.
+bool lies_on_layers(const Drive& d, const double* q) {
+  if (!d.sits || d.footing.layers.share() < tuning::footing::kLiesShare) return false;
+  const Vec3 up = to_matrix(load4(q + d.balls()[0].qpos)).col(1);
+  return std::fabs(up.z) < tuning::footing::kLiesFlat;
+}
+
+}  // namespace
 
 // v* with a time constant.
 void Drive::spring_velocity(const DriveSettings& s, int k, double h, const double* q,
@@ -192,6 +214,11 @@ void Drive::spring_velocity(const DriveSettings& s, int k, double h, const doubl
     const Vec3 xi = capped(log_quat(conjugate(ref) * load4(q + b.qpos)), most);
     const Vec3 e = load3(&deviation_[b.dof]) - (h / (tau * tau)) * xi;
     store3(v + b.dof, load3(&v_ref_[b.dof]) + (1 / sc) * e);
+    if (i > 0 || !lies_on_layers(*this, q)) continue;
+    const double rate = tuning::footing::kLyingRate;
+    const double keeps = elementary::exp(-tuning::footing::kLayerDamping * h);
+    store3(v + b.dof, load3(&v_ref_[b.dof]) + keeps * load3(&deviation_[b.dof]) -
+                          (h * rate * rate / sc) * xi);
   }
 }
 

@@ -59,7 +59,7 @@ void Substep::free_velocity(int k, double h) {
     for (int i = 0; i < system_.model.nv; i++)
       if (!system_.is_person(system_.model.dof_body[i])) step.v_free[i] = step.host_v_free[i];
     strength_.limit(system_, data_, h);
-    return add_layer_load(system_, step, h);
+    return add_layer_load(system_, data_, h);
   }
   standing_.wake(system_, data_);
   load_.find(system_, data_.state, h);
@@ -69,7 +69,7 @@ void Substep::free_velocity(int k, double h) {
   object_velocity(system_, data_.state, step, h);
   data_.soft.ease_gravity(system_, data_, h);
   standing_.add(system_, data_, h);
-  add_layer_load(system_, step, h);
+  add_layer_load(system_, data_, h);
   hold_asleep(system_, step);
   kinematic_.set_velocity(system_.model, data_.state, step, h);
 }
@@ -112,6 +112,7 @@ void Substep::end(double h, double lost) {
   diagnostics.lost_time += lost;
   diagnostics.residual = std::max(diagnostics.residual, -data_.attempt.worst);
   data_.cache.end_substep();
+  data_.soft.end_substep(h);
   state.qvel = data_.step.v_free;
   squeezed_.cut(system_, data_);
   if (system_.world.parting.any()) finish_parting(system_, data_, h);

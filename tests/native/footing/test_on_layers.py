@@ -31,7 +31,7 @@ def standing(frames=75, fps=30.0, at=0.0):
 def lying(frames=75, fps=30.0, at=0.0):
     """Somebody who lies on the back, arms beside the body, the lowest point at a height [m]."""
     rotations = np.zeros((frames, 55, 3))
-    turn = hp_rotvec(np.array([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]))
+    turn = hp_rotvec(np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]))
     rotations[:, 0] = turn
     for side, sign in (("left", -1.0), ("right", 1.0)):
         rotations[:, JOINT_INDEX[f"{side}_shoulder"], 2] = 1.1 * sign

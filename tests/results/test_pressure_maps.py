@@ -92,7 +92,7 @@ def test_a_plane_is_shown_around_what_presses():
 
 def test_mistakes_are_named():
     result = soft_result()
-    with pytest.raises(InputError, match=r"without anything soft.*soft="):
+    with pytest.raises(InputError, match=r"without anything soft.*docs/soft"):
         pressure_map(dataclasses.replace(result, soft_contacts=None))
     with pytest.raises(InputError, match="nothing presses anything soft"):
         pressure_map(dataclasses.replace(result, soft_contacts=SoftContacts.none()))

@@ -174,8 +174,8 @@ def checked_contacts(result: Result) -> SoftContacts:
     contacts = result.soft_contacts
     if contacts is None:
         raise InputError(
-            "pressure: found a result without anything soft. Give a static or an object soft=, or "
-            "the people Settings(soft_skin=True), and simulate"
+            "pressure: found a result without anything soft. Let a static, an object or the "
+            "people's skin be soft (docs/soft.md), and simulate"
         )
     if not len(contacts):
         raise InputError("pressure: found a result in which nothing presses anything soft")

@@ -22,7 +22,7 @@ LAYERS = {
     "body": "errors base motion geometry _native",
     "settings": "errors base motion body",
     "scene": "errors base motion geometry body",
-    "results": "errors base motion body settings scene",
+    "results": "errors base motion geometry body settings scene",
     "adaptation": "errors base motion geometry body settings scene results",
     "support": "errors base motion geometry body scene results _native",
     "simulation": ("errors base motion geometry body settings scene results adaptation _native"),

@@ -179,6 +179,7 @@ COVERED_BY = {
     "halfphysics/sweep/store/card_page.py": "sweep/store/test_data_card.py",
     "halfphysics/sweep/store/comparing.py": "sweep/report/test_verify.py",
     "halfphysics/sweep/store/contents.py": "sweep/store/test_tar.py",
+    "halfphysics/viewer/packing.py": "viewer/test_dents.py viewer/test_page.py",
     "halfphysics/viewer/*.py": "viewer/test_view.py viewer/test_view_browser.py",
     "halfphysics/viewer/catalog.py": "viewer/test_session.py",
     "halfphysics/viewer/figure.py": "viewer/test_stage.py",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,8 +12,16 @@ from halfphysics.base import rotations as rot
 from halfphysics.body.body import Body
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
-from halfphysics.viewer.skin_forces import LEAST, at_rest, live_points, skin_document
+from halfphysics.results.contacts import Contacts
+from halfphysics.viewer.skin_forces import (
+    LEAST,
+    at_rest,
+    live_points,
+    skin_document,
+    soft_points,
+)
 from support.results.small_result import FPS, small_result
+from support.results.soft_results import soft_result
 
 
 @pytest.fixture(scope="module")
@@ -77,3 +86,33 @@ def test_the_document_has_the_contacts_of_the_frames_that_are_shown():
     }
     assert shown == {"right_foot", "right_shoulder"}
     assert JOINT_INDEX["right_foot"] in contacts.part
+
+
+def test_pressures_of_soft_things_are_where_they_press():
+    """Their sums over cubes carry the whole force; the contact of the pair does not count twice."""
+    result = soft_result()
+    rows = result.soft_contacts
+    mine = rows.other == 2
+    force = np.bincount(rows.frame[mine], (rows.pressure * rows.area)[mine], len(result))
+    points = soft_points(result)
+    np.testing.assert_allclose(np.bincount(points.frame, points.force, len(result)), force)
+    assert len(points.frame) < 0.5 * mine.sum()
+    n = len(result)
+    pair = Contacts(
+        frame=np.arange(n),
+        person=np.zeros(n, dtype=int),
+        part=np.zeros(n, dtype=int),
+        other=np.zeros(n, dtype=int),
+        position=np.zeros((n, 3)),
+        normal=np.tile([0.0, 0.0, 1.0], (n, 1)),
+        impulse=np.tile([0.0, 0.0, 100.0], (n, 1)),
+        subject=np.full(n, -1),
+        other_part=np.full(n, -1),
+    )
+    document = skin_document(dataclasses.replace(result, contacts=pair), range(n))
+    last = slice(document["first"][-2], document["first"][-1])
+    shown = 0.1 * sum(document["force"][last])
+    strong = (points.frame == n - 1) & (points.force >= LEAST)
+    assert shown == pytest.approx(points.force[strong].sum(), abs=0.05 * strong.sum())
+    # In the first frame nothing presses the bed: the contact is what there is.
+    assert document["first"][:2] == [0, 1]

@@ -40,6 +40,7 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
         "judge": "measure motions and results by the measures of others, and ours",
         "view": "show results in a browser, several side by side",
         "render": "make a page, a film or pictures of results",
+        "pressure": "map the pressure on soft things and on skins",
         "page": "write one HTML file, with physics in it if you like",
         "fix": "put an estimator's or a generator's motion right",
         "play": "play with a simulation in a browser",

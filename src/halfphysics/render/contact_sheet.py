@@ -228,8 +228,8 @@ def _draw(
     tiles = []
     for frame, camera in zip(picked, views, strict=True):
         faint = glass(drawing.surfaces(frame), camera, size)
-        shown = [*drawing.still(faint).values(), *drawing.moving(frame)]
-        shown += drawing.edges(camera, size[1])
+        shown = [*drawing.still(faint, frame).values(), *drawing.moving(frame)]
+        shown += drawing.edges(camera, size[1], frame)
         look = Look.of(drawing.theme).aimed(camera, drawing.middle)
         tiles.append(render(shown, camera, size, samples=samples, look=look, threads=threads))
     return compose(drawing.result, picked, tiles, columns, size)

@@ -146,9 +146,9 @@ def _picture(moment: Result | Moment, frames: Sequence[int]) -> Picture:
         size = WIDE
         views = [_corner(surfaces, size) for surfaces in shown]
     tiles = []
-    for surfaces, camera in zip(shown, views, strict=True):
+    for frame, surfaces, camera in zip(frames, shown, views, strict=True):
         if moment.people:
-            still = drawing.still(glass(surfaces, camera, size))
+            still = drawing.still(glass(surfaces, camera, size), frame)
             surfaces = surfaces | {name: s for name, s in still.items() if name in surfaces}
         look = Look().aimed(camera, drawing.middle)
         tiles.append(render(list(surfaces.values()), camera, size, look=look))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -38,6 +40,41 @@ def edges(surface: Surface) -> Array:
     lifted = found.points[found.sides[sharp]] + out[:, None]
     segments: Array = np.concatenate([lifted, found.points[found.lone]])
     return segments if len(segments) <= _MOST else np.zeros((0, 2, 3))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Border:
+    """Sharp and open edges of a mesh whose vertices move.
+
+    Attributes:
+        sides: Vertices at the ends of each edge (E, 2).
+        out: By how much an edge is drawn outside of the surface (E, 3) [m].
+    """
+
+    sides: NDArray[np.int64]
+    out: Array
+
+    def at(self, vertices: Array) -> Array:
+        """The edges (E, 2, 3) [m], where the vertices (V, 3) are."""
+        result: Array = vertices[self.sides] + self.out[:, None]
+        return result
+
+
+def border(surface: Surface) -> Border:
+    """As `edges`, for a mesh whose vertices move; its vertices are at different places."""
+    from scipy.spatial import cKDTree
+
+    found = folds(surface.vertices, surface.faces)
+    sharp = found.bend < np.cos(np.radians(_SHARP))
+    pairs = found.pairs[sharp]
+    out = _LIFT * (found.normals[pairs[:, 0]] + found.normals[pairs[:, 1]])
+    sides = np.concatenate([found.sides[sharp], found.lone])
+    if len(sides) > _MOST:
+        sides, out = sides[:0], out[:0]
+    # Folds have their own order of points.
+    _, own = cKDTree(surface.vertices).query(found.points)
+    lift = np.concatenate([out, np.zeros((len(sides) - len(out), 3))])
+    return Border(sides=np.asarray(own, dtype=np.int64)[sides], out=lift)
 
 
 def shade(color: Color, theme: Theme) -> Color:

@@ -34,8 +34,10 @@ from halfphysics.render.look import (
     Theme,
 )
 from halfphysics.render.rasterizer import Camera, Surface
+from halfphysics.render.skin_bands import SkinPressures, banded
 
 if TYPE_CHECKING:
+    from halfphysics.results.dents import Dent
     from halfphysics.results.result import PersonResult, Result
 
 Array = NDArray[np.float64]
@@ -57,6 +59,11 @@ def _crease(shape: Any) -> float:
     return 180.0 if isinstance(shape, Sphere | Capsule) else CREASE
 
 
+def _unpressed(dent: Dent) -> tuple[Array, NDArray[np.int32]]:
+    """Vertices and faces of a soft thing that nothing presses, with edges short enough to dent."""
+    return dent.layer.surface, dent.faces.astype(np.int32)
+
+
 class StaticColors:
     """Colours of static items: pale for the building, one per piece of furniture."""
 
@@ -76,18 +83,21 @@ class Item:
     """A mesh of the scene, in its own frame, with its pose over time.
 
     Attributes:
-        surface: Vertices in the local frame [m].
+        surface: Vertices in the local frame [m]; of a soft item, where nothing presses it.
         position, quaternion: World pose per frame, (T, 3) and (T, 4); one row for a static item.
+        dent: How its vertices give in every frame; None: it is hard, or nothing presses it.
     """
 
     surface: Surface
     position: Array
     quaternion: Array
+    dent: Dent | None = None
 
     def at(self, frame: int) -> Surface:
         """The surface in the world at a frame."""
         k = min(frame, len(self.position) - 1)
-        world = rot.rotate(self.quaternion[k], self.surface.vertices) + self.position[k]
+        local = self.surface.vertices if self.dent is None else self.dent.at(frame)
+        world = rot.rotate(self.quaternion[k], local) + self.position[k]
         return replace(self.surface, vertices=world)
 
 
@@ -139,6 +149,8 @@ class Drawing:
 
     def __init__(self, result: Result, theme: Theme = LIGHT) -> None:
         self.result, self.theme = result, theme
+        # A moment, which is no result, has no dents.
+        self._dents: Mapping[str, Dent] = getattr(result, "dents", {})
         low, high = self._extent()
         self.middle: Array = 0.5 * (low + high)
         self.radius = float(0.5 * max(high[0] - low[0], high[1] - low[1], 1.0))
@@ -169,15 +181,20 @@ class Drawing:
         items: dict[str, Item] = {}
         colors = StaticColors()
         for name, static in self.result.scene.statics.items():
+            dent = self._dents.get(name)
+            pose = (
+                np.asarray(static.position, dtype=np.float64).reshape(1, 3),
+                np.asarray(static.quaternion, dtype=np.float64).reshape(1, 4),
+            )
             if isinstance(static.shape, Plane):
                 surface = _plane_surface(static, self.middle, self.radius, self.theme)
-                pose = np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0, 0.0]])
+                if dent is None:
+                    pose = np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0, 0.0]])
+                else:
+                    vertices, faces = _unpressed(dent)
+                    surface = replace(surface, vertices=vertices, faces=faces, crease=180.0)
             else:
-                vertices, faces = static.mesh()
-                pose = (
-                    np.asarray(static.position, dtype=np.float64).reshape(1, 3),
-                    np.asarray(static.quaternion, dtype=np.float64).reshape(1, 4),
-                )
+                vertices, faces = static.mesh() if dent is None else _unpressed(dent)
                 size = np.ptp(rot.rotate(pose[1][0], vertices), axis=0)
                 surface = Surface(
                     vertices=vertices,
@@ -185,7 +202,9 @@ class Drawing:
                     color=colors.of(name, size),
                     crease=_crease(static.shape),
                 )
-            items[f"static/{name}"] = Item(surface=surface, position=pose[0], quaternion=pose[1])
+            items[f"static/{name}"] = Item(
+                surface=surface, position=pose[0], quaternion=pose[1], dent=dent
+            )
         return items
 
     def _build_objects(self) -> dict[str, Item]:
@@ -194,6 +213,9 @@ class Drawing:
             track = self.result.objects[name]
             # Draw the original mesh, not the convex hull used for contact.
             vertices, faces = item.mesh() if item.visual is None else item.visual.triangles()
+            dent = self._dents.get(name)
+            if dent is not None:
+                vertices, faces = _unpressed(dent)
             items[f"object/{name}"] = Item(
                 surface=Surface(
                     vertices=vertices,
@@ -203,6 +225,7 @@ class Drawing:
                 ),
                 position=np.asarray(track.position, dtype=np.float64),
                 quaternion=np.asarray(track.quaternion, dtype=np.float64),
+                dent=dent,
             )
         for k, jointed in enumerate(self.result.scene.articulated.values()):
             for link, name in zip(jointed.links, jointed.link_names, strict=True):
@@ -265,12 +288,15 @@ class Drawing:
                 surfaces[f"{kind}/{k}"] = replace(skin, vertices=vertices)
         return surfaces
 
-    def moving(self, frame: int, *, ghost: bool = True) -> list[Surface]:
+    def moving(
+        self, frame: int, *, ghost: bool = True, pressures: SkinPressures | None = None
+    ) -> list[Surface]:
         """The story as pictures show it: people in clothes, ghosts where they are apart from them.
 
         Args:
             frame: Index, 0 to T-1.
             ghost: Include the reference.
+            pressures: Colour people by these.
         """
         story = self.story(frame, ghost=ghost)
         shown = [surface for name, surface in story.items() if name.startswith("object/")]
@@ -278,26 +304,39 @@ class Drawing:
         for k, person in enumerate(self.result.people):
             skin = story[f"person/{k}"]
             for piece in dressed(person.body, k):
-                shown.append(
-                    replace(
-                        skin,
-                        vertices=piece.cut.of(skin.vertices),
-                        faces=piece.cut.faces,
-                        color=piece.color,
-                    )
+                surface = replace(
+                    skin,
+                    vertices=piece.cut.of(skin.vertices),
+                    faces=piece.cut.faces,
+                    color=piece.color,
                 )
+                if pressures is None:
+                    shown.append(surface)
+                else:
+                    values = piece.cut.of(pressures.values[k][frame].astype(np.float64))
+                    shown += banded(surface, values, pressures.end)
             if ghost:
                 blue = story[f"ghost/{k}"]
                 apart = np.linalg.norm(blue.vertices - skin.vertices, axis=1)
                 ghosts += faded(blue, apart)
         return shown + ghosts
 
-    def edges(self, camera: Camera, height: int) -> list[Surface]:
-        """Edges of the statics, and the ground's lines, in a picture of this height [pixels]."""
+    def edges(self, camera: Camera, height: int, frame: int = 0) -> list[Surface]:
+        """Edges of the statics, and the ground's lines, in a picture of this height [pixels].
+
+        Args:
+            camera: The picture's.
+            height: The picture's.
+            frame: Those of soft things are where they are in this frame.
+        """
         strips = [
             outlines.drawn(segments, outlines.shade(color, self.theme), camera, height)
             for color, segments in self._edges.items()
         ]
+        for item, border in self._borders:
+            lines = border.at(item.at(frame).vertices)
+            color = outlines.shade(item.surface.color, self.theme)
+            strips.append(outlines.drawn(lines, color, camera, height))
         for item in self.statics.values():
             surface = item.surface
             if surface.fade is not None and camera.position[2] > surface.vertices[0, 2]:
@@ -309,23 +348,43 @@ class Drawing:
         return [strip for strip in strips if strip is not None]
 
     @cached_property
+    def _borders(self) -> list[tuple[Item, outlines.Border]]:
+        """The soft statics that dent, with their edges."""
+        return [
+            (item, outlines.border(item.surface))
+            for item in self.statics.values()
+            if item.dent is not None and item.surface.cull != "back"
+        ]
+
+    @cached_property
     def _edges(self) -> dict[Color, Array]:
-        """Edges of all statics of each colour, world frame (E, 2, 3) [m]."""
+        """Edges of the other statics of each colour, world frame (E, 2, 3) [m]."""
         found: dict[Color, list[Array]] = {}
         for item in self.statics.values():
-            if item.surface.cull != "back":  # a plane has no edges
+            if item.surface.cull != "back" and item.dent is None:  # a plane has no edges
                 found.setdefault(item.surface.color, []).append(outlines.edges(item.at(0)))
         return {color: np.concatenate(parts) for color, parts in found.items()}
 
-    def still(self, faint: Collection[str] = ()) -> dict[str, Surface]:
-        """Static items, world frame; those named in `faint` as thin glass."""
-        out = {}
-        for name, item in self.statics.items():
-            surface = item.at(0)
-            if name in faint:
-                surface = replace(surface, alpha=GLASS_ALPHA, rim=0.12, casts=False)
-            out[name] = surface
-        return out
+    def still(self, faint: Collection[str] = (), frame: int = 0) -> dict[str, Surface]:
+        """Static items, world frame; those named in `faint` as thin glass.
+
+        Args:
+            faint: Names of statics, `static/<name>`.
+            frame: Soft ones are dented as in this frame.
+        """
+        return {name: self._glass(name, faint, frame) for name in self.statics}
+
+    def dented(self, frame: int, faint: Collection[str] = ()) -> dict[str, Surface]:
+        """As `still`, of a frame, only the statics that differ from frame to frame."""
+        soft = [name for name, item in self.statics.items() if item.dent is not None]
+        return {name: self._glass(name, faint, frame) for name in soft}
+
+    def _glass(self, name: str, faint: Collection[str], frame: int) -> Surface:
+        surface = self.statics[name].at(frame)
+        # What dents is part of the story, and its dent would not show in glass.
+        if name in faint and self.statics[name].dent is None:
+            surface = replace(surface, alpha=GLASS_ALPHA, rim=0.12, casts=False)
+        return surface
 
     def surfaces(
         self, frame: int, *, ghost: bool = True, faint: Collection[str] = ()
@@ -337,4 +396,4 @@ class Drawing:
             ghost: Include the reference.
             faint: Names of statics to draw as thin glass, because they hide the story.
         """
-        return self.still(faint) | self.story(frame, ghost=ghost)
+        return self.still(faint, frame) | self.story(frame, ghost=ghost)

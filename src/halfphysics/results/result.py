@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 
     from halfphysics.body.body import Body
     from halfphysics.metrics.part_report import PartReport
+    from halfphysics.results.dents import Dent
     from halfphysics.scene.scene import Scene
     from halfphysics.support.support import Support
 
@@ -335,6 +336,16 @@ class Result(InNotebook, ReadOnly):
     def recorded(self) -> Motion:
         """The first person's motion as recorded, see `PersonResult.recorded`."""
         return self.people[0].recorded
+
+    @cached_property
+    def dents(self) -> Mapping[str, Dent]:
+        """The surfaces of soft things over time, by name: of those that something presses.
+
+        Computed on first access, from `soft_contacts`; files do not hold them.
+        """
+        from halfphysics.results.dents import dents_of
+
+        return dents_of(self)
 
     @cached_property
     def holds(self) -> tuple[HeldReport, ...]:

@@ -18,6 +18,7 @@ from halfphysics.render.result_meshes import Drawing
 from halfphysics.viewer.arrange import Arrangement, arrange
 from halfphysics.viewer.comparison import References, has_reference
 from halfphysics.viewer.contacts import ContactNodes
+from halfphysics.viewer.dents import dent_document
 from halfphysics.viewer.first_picture import WAITING, with_first_picture
 from halfphysics.viewer.layers import show_support
 from halfphysics.viewer.lights import Lights
@@ -121,6 +122,7 @@ def save_page(
             "key": key(drawings, contacts, support, notes),
             "body": body_data(results[0].people[0].body),
             "reel": reel(Recording(recorded), len(frames), step / fps),
+            "dents": [one for stage in stages for one in dent_document(stage, step)],
         }
         file.write(assembled(first, page_head(data), title, drawings, row).encode("utf-8"))
     clock.done("wrote the page %s, %d frames", path, len(frames), count=len(frames))
@@ -194,6 +196,7 @@ def _build(
             prefix=f"/{k}" if k else "",
             offset=row.offsets[k],
             faint=row.faint[k],
+            dents=False,  # the page's script shows them
         )
         for k, drawing in enumerate(drawings)
     ]

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import base64
 import math
-import zlib
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from halfphysics.body.body import Body
 from halfphysics.motion.skeleton import PARENTS
@@ -21,6 +18,7 @@ from halfphysics.viewer.comparison import choices
 from halfphysics.viewer.figure import strongest
 from halfphysics.viewer.first_picture import first_camera
 from halfphysics.viewer.marks import rows
+from halfphysics.viewer.packing import packed
 from halfphysics.viewer.skin_forces import skin_document
 from halfphysics.viewer.stage import Stage
 from halfphysics.viewer.whereabouts import goes_far, track
@@ -109,9 +107,3 @@ def body_data(body: Body) -> dict[str, Any]:
         "joints": np.round(np.asarray(body.rest_joints), 5).tolist(),
         "parents": np.asarray(PARENTS).tolist(),
     }
-
-
-def packed(values: NDArray[Any], kind: str) -> str:
-    """An array as deflated base64: the lowest bytes of all numbers, then the second ones, ..."""
-    flat = np.ascontiguousarray(values.astype(kind)).reshape(-1, 1)
-    return base64.b64encode(zlib.compress(flat.view(np.uint8).T.tobytes(), 6)).decode("ascii")

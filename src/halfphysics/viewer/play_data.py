@@ -23,7 +23,7 @@ from halfphysics.viewer.contacts import KINDS, PERSON, ContactNodes
 from halfphysics.viewer.figure import Figure, rgb
 from halfphysics.viewer.lights import SUBJECT
 from halfphysics.viewer.marks import kind_label
-from halfphysics.viewer.page_data import packed
+from halfphysics.viewer.packing import packed
 
 if TYPE_CHECKING:
     from halfphysics.motion.motion import Motion

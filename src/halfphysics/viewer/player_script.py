@@ -10,7 +10,7 @@ from typing import Any
 #: The parts of the script, each after those that it uses.
 PARTS = (
     *("hook", "reel", "clock", "server", "bar", "keys", "cameras", "compare", "skin"),
-    *("npz", "people", "drop", "panel", "main"),
+    *("npz", "people", "drop", "dents", "panel", "main"),
 )
 #: Those of a page with physics, after the others.
 PLAY_PARTS = ("physics", "pointer", "figures", "knobs", "play")

@@ -14,6 +14,7 @@ from halfphysics.viewer.catalog import Catalog, Choice
 from halfphysics.viewer.contacts import ContactNodes
 from halfphysics.viewer.framing import WINDOW, on_people
 from halfphysics.viewer.live_contacts import LiveContacts
+from halfphysics.viewer.live_dents import LiveDents, unpressed
 from halfphysics.viewer.live_wire import LiveWire
 from halfphysics.viewer.pace import Pace
 from halfphysics.viewer.panel.panel import Panel
@@ -135,6 +136,8 @@ class Playground(Served):
             for name in self._objects:
                 stage.place(name, *frame.objects[name])
             self._contacts.show(0)
+            if len(self._dents):
+                self._dents.show(frame.soft_contacts, frame.objects)
             self.lights.follow(self.cameras.subject())
         self.wire.frame()
         self.cameras.follow()
@@ -145,9 +148,11 @@ class Playground(Served):
     def _set_stage(self) -> None:
         """Build the stage of the present choice."""
         session = self.session
-        drawing = Drawing(
-            provisional(session.simulator, session.sequence.motions, session.frame.objects)
-        )
+        simulator = session.simulator
+        result = provisional(simulator, session.sequence.motions, session.frame.objects)
+        scene = simulator.world.scene
+        vars(result)["dents"] = unpressed(scene)  # as long as nothing presses
+        drawing = Drawing(result)
         old = getattr(self, "stage", None)
         place = (session.choice.scenario, session.choice.motion)
         moved = place != self._place
@@ -163,7 +168,9 @@ class Playground(Served):
                 faint=row.faint[0],
                 live=True,
                 figure=self._wardrobe.figure,
+                dents=False,
             )
+            self._dents = LiveDents(self.stage, scene, simulator.names, 1.0 / session.fps)
             self._contacts = ContactNodes(self.server, self.stage, LiveContacts(session))
         self.stage.layers["contacts"] = Layer("Contacts", [self._contacts])
         if moved:

@@ -22,6 +22,7 @@ from halfphysics.render.rasterizer import Camera, linear
 from halfphysics.render.result_meshes import Drawing, Item
 from halfphysics.render.viewpoint import FOV
 from halfphysics.viewer.bones import GRAIN
+from halfphysics.viewer.dents import DentNodes
 from halfphysics.viewer.figure import Figure, moving_joints, rgb
 from halfphysics.viewer.lights import Lights
 
@@ -80,6 +81,7 @@ class Stage:
         without: Names of statics to leave out.
         live: Give every joint a bone, for poses that are not in the result.
         figure: Function that creates people and ghosts, with the arguments of `Figure`.
+        dents: Send the vertices of soft things as they dent; not for a page, whose script has them.
 
     Attributes:
         drawing: The drawing of the result.
@@ -102,6 +104,7 @@ class Stage:
         without: Collection[str] = (),
         live: bool = False,
         figure: Callable[..., Figure] = Figure,
+        dents: bool = True,
     ) -> None:
         self.drawing = result if isinstance(result, Drawing) else Drawing(result)
         self.prefix, self.offset = prefix, np.asarray(offset, dtype=np.float64)
@@ -125,6 +128,10 @@ class Stage:
             "scene": Layer("Scene", [*self._statics.values(), *self._edges]),
         }
         self.layers = {name: layer for name, layer in layers.items() if layer.parts}
+        soft = self.soft_items()
+        if dents and soft:
+            nodes = DentNodes({n: i for n, i, _ in soft}, {n: h for n, _, h in soft})
+            self.followers.append(nodes.show)
 
     def _add_items(self, faint: Collection[str], without: Collection[str]) -> None:
         """Add the meshes of static geometry and of objects."""
@@ -237,6 +244,15 @@ class Stage:
         """viser's handle of a static."""
         return self._statics[name]
 
+    def soft_items(self) -> list[tuple[str, Item, Any]]:
+        """Name as in `Drawing`, item and viser's handle of soft items that something presses."""
+        nodes = [
+            *((f"static/{name}", handle) for name, handle in self._statics.items()),
+            *((f"object/{name}", handle) for name, handle in self._objects.items()),
+        ]
+        items = {**self.drawing.statics, **self.drawing.objects}
+        return [(n, items[n], handle) for n, handle in nodes if items[n].dent is not None]
+
     def draws(self, name: str) -> bool:
         """Whether there is a node for a static."""
         return name in self._statics
@@ -253,15 +269,21 @@ class Stage:
         self._root.visible = visible
 
     def _add_static(self, name: str, item: Item, faint: bool) -> Any:
-        if item.surface.fade is not None:
+        if item.surface.fade is not None and item.dent is None:
             return _add_floor(self._server, self.path(name), item, self.drawing)
-        return add_mesh(self._server, self.path(name), item, GLASS_ALPHA if faint else None)
+        return add_mesh(
+            self._server,
+            self.path(name),
+            item,
+            GLASS_ALPHA if faint and item.dent is None else None,
+        )
 
     def _add_edges(self, without: Collection[str]) -> list[Any]:
         """Add the edges of all statics as one node; none: there are no edges."""
         found, colors = [], []
         for name, item in self.drawing.statics.items():
-            if name not in without and item.surface.cull != "back":
+            # Those of a soft thing would stay where they are as it dents.
+            if name not in without and item.surface.cull != "back" and item.dent is None:
                 found.append(outlines.edges(item.at(0)))
                 # viser takes these colours as linear light.
                 light = np.rint(

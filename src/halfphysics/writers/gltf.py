@@ -5,6 +5,8 @@ as nodes named as `JOINT_NAMES`, and the props; the skins are beside it, because
 poses of nodes with a skin. The nodes have the pose of the first frame, so constant channels are
 left out, and programs without animation show the first frame.
 
+The dents of soft props are morph targets, with their normals (`dent_shapes`).
+
 The skinning of glTF is that of SMPL without pose blend shapes; if a body has them, they are
 morph targets (`correctives`), which glTF applies before the skinning, as required.
 """
@@ -29,6 +31,7 @@ from halfphysics.render.rasterizer import Color
 from halfphysics.render.result_meshes import CREASE
 from halfphysics.writers.colors import actors_coloured, linear, props_coloured
 from halfphysics.writers.correctives import correctives
+from halfphysics.writers.dent_shapes import MovingSurface, dent_shapes, moving_surface
 from halfphysics.writers.gltf_buffer import INDICES, VERTICES, Buffer
 from halfphysics.writers.normals import creased, vertex_normals
 from halfphysics.writers.take import Actor, Prop, Take
@@ -153,7 +156,7 @@ class _Builder:
                     {"POSITION": self.buffer.add(s.astype(np.float32), VERTICES, bounds=True)}
                     for s in shapes
                 ]
-                mesh["weights"] = _numbers(weights[0])
+                mesh["weights"] = weights[0].astype(np.float32).tolist()
         self.meshes.append(mesh)
         skinned = self._node(
             {
@@ -215,8 +218,14 @@ class _Builder:
         node: dict[str, Any] = {"name": prop.name}
         node["translation"] = _numbers(prop.position[0])
         node["rotation"] = _numbers(turns[0])
+        weights = None
         if len(prop.faces):
-            vertices, faces, normals = creased(prop.vertices, prop.faces, CREASE)
+            moving = None if prop.dent is None else moving_surface(prop.dent)
+            if moving is None:
+                vertices, faces, normals = creased(prop.vertices, prop.faces, CREASE)
+            else:
+                vertices, faces = moving.vertices, moving.faces
+                normals = vertex_normals(vertices, faces)
             primitive = {
                 "attributes": {
                     "POSITION": self.buffer.add(vertices.astype(np.float32), VERTICES, bounds=True),
@@ -225,12 +234,34 @@ class _Builder:
                 "indices": self._indices(faces),
                 "material": self._material(prop.name, color, both_sides=True),
             }
-            self.meshes.append({"name": prop.name, "primitives": [primitive]})
+            mesh: dict[str, Any] = {"name": prop.name, "primitives": [primitive]}
+            if moving is not None:
+                weights = self._add_dents(moving, primitive, mesh)
+            self.meshes.append(mesh)
             node["mesh"] = len(self.meshes) - 1
         index = self._node(node, parent=0)
+        if weights is not None:
+            self._animate(index, "weights", weights)
         if prop.moves:
             self._animate(index, "translation", prop.position)
             self._animate(index, "rotation", turns)
+
+    def _add_dents(
+        self, moving: MovingSurface, primitive: dict[str, Any], mesh: dict[str, Any]
+    ) -> Array | None:
+        """Add the shapes of a dent to a mesh; returns their weights (T, k), None: it has none."""
+        offsets, normals, weights = dent_shapes(moving)
+        if not len(offsets):
+            return None
+        primitive["targets"] = [
+            {
+                "POSITION": self.buffer.add(offset.astype(np.float32), VERTICES, bounds=True),
+                "NORMAL": self.buffer.add(turned.astype(np.float32), VERTICES),
+            }
+            for offset, turned in zip(offsets, normals, strict=True)
+        ]
+        mesh["weights"] = weights[0].astype(np.float32).tolist()
+        return weights
 
     # -- shared parts --------------------------------------------------------------------------
 

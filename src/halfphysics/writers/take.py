@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from halfphysics.body.body import Body
+    from halfphysics.results.dents import Dent
     from halfphysics.results.result import ObjectTrack, Result
     from halfphysics.scene.scene import Scene
     from halfphysics.simulation.sequence import Sequence
@@ -40,7 +41,8 @@ class Actor:
 class Prop:
     """A prop: a mesh (V, 3), (F, 3) in its own frame [m] and that frame's pose over time.
 
-    `position` (T, 3) [m] and `quaternion` (T, 4) in the z-up world; one row for a static prop.
+    `position` (T, 3) [m] and `quaternion` (T, 4) in the z-up world; one row for a static prop. The
+    `dent` of a soft prop that something presses says how its vertices, of that mesh, give.
     """
 
     name: str
@@ -48,6 +50,7 @@ class Prop:
     faces: NDArray[np.integer]
     position: Array
     quaternion: Array
+    dent: Dent | None = None
 
     @property
     def moves(self) -> bool:
@@ -111,7 +114,7 @@ def take_of(what: Exportable, body: Body | None = None, *, fps: float | None = N
             Actor(name=p.name, motion=p.motion, body=body or p.body) for p in what.people
         )
         scene, joints = what.scene, what.joints
-        props = _props(scene, what.objects, _middle(actors))
+        props = _props(scene, what.objects, _middle(actors), what.dents)
     elif isinstance(what, Sequence | Motion):
         motions = what.motions if isinstance(what, Sequence) else (what,)
         bodies = what.bodies if isinstance(what, Sequence) else (None,)
@@ -122,7 +125,7 @@ def take_of(what: Exportable, body: Body | None = None, *, fps: float | None = N
         )
         sequence = what if isinstance(what, Sequence) else Sequence(what, Scene())
         scene, joints = sequence.scene, {}
-        props = _props(scene, sequence.recorded, _middle(actors))
+        props = _props(scene, sequence.recorded, _middle(actors), {})
     else:
         raise InputError(f"export: expected a Result, a Sequence or a Motion, found {shown(what)}")
     first = actors[0].motion
@@ -139,12 +142,17 @@ def _middle(actors: tuple[Actor, ...]) -> Array:
     return result
 
 
-def _props(scene: Scene, tracks: Mapping[str, ObjectTrack], middle: Array) -> tuple[Prop, ...]:
+def _props(
+    scene: Scene, tracks: Mapping[str, ObjectTrack], middle: Array, dents: Mapping[str, Dent]
+) -> tuple[Prop, ...]:
     """The props; `middle` is the point around which planes, which are infinite, are drawn."""
     from halfphysics.geometry.shapes import Plane
 
     props = []
     for name, static in scene.statics.items():
+        if name in dents:
+            props.append(_soft(dents[name], static.position, static.quaternion))
+            continue
         vertices, faces = static.mesh()
         if isinstance(static.shape, Plane):
             local = rot.rotate(rot.conjugate(static.quaternion), middle - static.position)
@@ -155,6 +163,9 @@ def _props(scene: Scene, tracks: Mapping[str, ObjectTrack], middle: Array) -> tu
         mesh = item.mesh() if item.visual is None else item.visual.triangles()
         track = tracks.get(name)
         place = (item.position, item.quaternion)
+        if name in dents:
+            props.append(_soft(dents[name], *(place if track is None else _rows(track))))
+            continue
         props.append(_prop(name, mesh, *(place if track is None else _rows(track))))
     for jointed in scene.articulated.values():
         starts = start_poses(jointed)
@@ -169,6 +180,11 @@ def _props(scene: Scene, tracks: Mapping[str, ObjectTrack], middle: Array) -> tu
 
 def _rows(track: ObjectTrack) -> tuple[Array, Array]:
     return track.position, track.quaternion
+
+
+def _soft(dent: Dent, position: Array, quaternion: Array) -> Prop:
+    mesh = (dent.layer.surface, dent.faces)
+    return replace(_prop(dent.name, mesh, position, quaternion), dent=dent)
 
 
 def _prop(
@@ -194,18 +210,15 @@ def resampled(take: Take, fps: float) -> Take:
     low, high, weight = neighbours(np.arange(frames, dtype=np.float64) * (take.fps / fps))
     high = np.minimum(high, take.frames - 1)
     w = weight[:, None]
-    props = tuple(
-        Prop(
-            name=p.name,
-            vertices=p.vertices,
-            faces=p.faces,
-            position=(1.0 - w) * p.position[low] + w * p.position[high],
-            quaternion=rot.slerp(p.quaternion[low], p.quaternion[high], weight),
-        )
-        if p.moves
-        else p
-        for p in take.props
-    )
+    props = []
+    for p in take.props:
+        if p.moves:
+            p = replace(
+                p,
+                position=(1.0 - w) * p.position[low] + w * p.position[high],
+                quaternion=rot.slerp(p.quaternion[low], p.quaternion[high], weight),
+            )
+        props.append(p if p.dent is None else replace(p, dent=p.dent.sampled(low, high, weight)))
     joints = {}
     for name, values in take.joints.items():
         a, b = values[low], values[high]
@@ -215,4 +228,6 @@ def resampled(take: Take, fps: float) -> Take:
         # The position of a free joint, the rotation of free and ball joints.
         place = (1.0 - w) * a[:, :-4] + w * b[:, :-4]
         joints[name] = np.hstack([place, rot.slerp(a[:, -4:], b[:, -4:], weight)])
-    return replace(take, actors=actors, props=props, fps=float(fps), frames=frames, joints=joints)
+    return replace(
+        take, actors=actors, props=tuple(props), fps=float(fps), frames=frames, joints=joints
+    )

@@ -1,9 +1,10 @@
 """USD (.usd, .usdc, .usda, .usdz): skinned people and rigid props, animated. Needs usd-core.
 
 z-up, metres, one time code per frame. Below "/World" are every person (a SkelRoot with skeleton,
-skin and animation; joints named as `JOINT_NAMES`) and every prop (an Xform with a mesh). The
-skinning of UsdSkel is that of SMPL without pose blend shapes; if a body has them, they are
-blend shapes (`correctives`), which UsdSkel applies before the skinning, as required.
+skin and animation; joints named as `JOINT_NAMES`) and every prop (an Xform with a mesh). The points
+of a soft prop move where it is pressed. The skinning of UsdSkel is that of SMPL without pose blend
+shapes; if a body has them, they are blend shapes (`correctives`), which UsdSkel applies before the
+skinning, as required.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from halfphysics.render.rasterizer import Color
 from halfphysics.render.result_meshes import CREASE
 from halfphysics.writers.colors import actors_coloured, linear, props_coloured
 from halfphysics.writers.correctives import correctives
+from halfphysics.writers.dent_shapes import MovingSurface, moving_surface
 from halfphysics.writers.normals import creased, vertex_normals
 from halfphysics.writers.take import Actor, Prop, Take
 from halfphysics.writers.usd_colliders import Colliders
@@ -201,11 +203,30 @@ class _Builder:
             place.Set(gf.Vec3d(*p), *when)
             turn.Set(gf.Quatd(*q), *when)
         if len(prop.faces):
-            vertices, faces, normals = creased(prop.vertices, prop.faces, CREASE)
+            moving = None if prop.dent is None else moving_surface(prop.dent)
+            if moving is None:
+                vertices, faces, normals = creased(prop.vertices, prop.faces, CREASE)
+            else:
+                faces = moving.faces
+                vertices, normals = moving.vertices, vertex_normals(moving.vertices, faces)
             mesh = self._mesh(f"{path}/Mesh", vertices, faces, normals)
             mesh.CreateDoubleSidedAttr(True)
+            if moving is not None:
+                self._animate_dents(mesh, moving)
             self._paint(mesh, path, color)
         return path
+
+    def _animate_dents(self, mesh: Any, moving: MovingSurface) -> None:
+        """Points and normals over time, where they differ from the frame before or after."""
+        points, normals = mesh.GetPointsAttr(), mesh.GetNormalsAttr()
+        depth = moving.dent.depth
+        change = (depth[1:] != depth[:-1]).any(axis=1)
+        wanted = np.append(change, False) | np.append(False, change)
+        wanted[0] = True
+        for frame in np.flatnonzero(wanted).tolist():
+            vertices, turned = moving.at(frame)
+            points.Set(self._points(vertices), frame)
+            normals.Set(self._points(turned), frame)
 
     # -- shared parts --------------------------------------------------------------------------
 

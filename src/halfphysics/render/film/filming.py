@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import os
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, cast
@@ -20,8 +20,10 @@ from halfphysics.render.film.overlay import Overlay, Place
 from halfphysics.render.film.sampling import sampled
 from halfphysics.render.film.tracking import Story, hiding, track
 from halfphysics.render.look import DARK, GHOST, LIGHT, PEOPLE
+from halfphysics.render.pressure_colors import RAMP
 from halfphysics.render.rasterizer import Camera, Look, Surface, render
 from halfphysics.render.result_meshes import Drawing
+from halfphysics.render.skin_bands import SkinPressures
 
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
@@ -39,14 +41,16 @@ class View:
     Attributes:
         drawing: The meshes; one frame per picture.
         cameras: One per picture.
-        statics: Static surfaces, world frame.
+        statics: Name -> static surface, world frame.
+        faint: Names of those that are drawn as glass.
         look: Light and background.
         place: Its part of the picture.
     """
 
     drawing: Drawing
     cameras: Sequence[Camera]
-    statics: Sequence[Surface]
+    statics: Mapping[str, Surface]
+    faint: Collection[str]
     look: Look
     place: Place
 
@@ -86,8 +90,16 @@ class Shoot:
             Drawing(cast(Any, sampled(r, f)), theme) for r, f in zip(results, frames, strict=True)
         ]
         self._count = len(frames[0])
+        # Views of one result are beside each other.
+        self._pressures: list[SkinPressures | None] = [
+            SkinPressures.of(r, f) if options.pressure else None
+            for r, f in zip(results, frames, strict=True)
+        ]
         self._views = _views(drawings, options, places, rate)
-        key = (("reference", GHOST), ("simulated", PEOPLE[0])) if options.ghost else ()
+        key = [("reference", GHOST), ("simulated", PEOPLE[0])] if options.ghost else []
+        for pressures in self._pressures[:1]:
+            if pressures is not None:
+                key += [(f"{1e-3 * pressures.end:g} kPa", RAMP[-1])]
         self._overlay = Overlay(
             self.size,
             [view.place for view in self._views],
@@ -105,12 +117,17 @@ class Shoot:
         """Picture number `index` (height, width, 3)."""
         width, height = self.size
         sheet = np.full((height, width, 3), _SEAM_COLOR, dtype=np.uint8)
-        for view in self._views:
+        cameras = len(self.options.cameras)
+        for k, view in enumerate(self._views):
             camera = view.cameras[index]
-            story = view.drawing.moving(index, ghost=self.options.ghost)
+            story = view.drawing.moving(
+                index, ghost=self.options.ghost, pressures=self._pressures[k // cameras]
+            )
             left, top, right, bottom = view.place
+            still = {**view.statics, **view.drawing.dented(index, view.faint)}
+            edges = view.drawing.edges(camera, view.size[1], index)
             sheet[top:bottom, left:right] = render(
-                [*view.statics, *story, *view.drawing.edges(camera, view.size[1])],
+                [*still.values(), *story, *edges],
                 camera,
                 view.size,
                 samples=self.options.samples,
@@ -193,7 +210,8 @@ def _views(
                 View(
                     drawing=drawing,
                     cameras=cameras,
-                    statics=list(drawing.still(faint).values()),
+                    statics=drawing.still(faint),
+                    faint=faint,
                     look=Look.of(drawing.theme).aimed(
                         cameras[len(cameras) // 2], drawings[0].middle
                     ),

@@ -42,6 +42,8 @@ class FilmOptions:
     """Where in the story it ends [s]; None: with the story."""
     ghost: bool = True
     """Show the reference, translucent."""
+    pressure: bool = False
+    """Colour people by the pressure on their skin, where they touch what is soft."""
     label: tuple[str, ...] = ()
     """Text in the corner: one for each result, or one for each view."""
     text: bool = True

@@ -16,6 +16,7 @@ from halfphysics.results.result import ObjectTrack
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
+    from halfphysics.results.dents import Dent
     from halfphysics.results.result import Result
     from halfphysics.scene.scene import Scene
 
@@ -38,6 +39,7 @@ class Sampled:
     people: tuple[DrawnPerson, ...]
     objects: Mapping[str, ObjectTrack]
     scene: Scene
+    dents: Mapping[str, Dent]
 
     @property
     def motion(self) -> Motion:
@@ -70,6 +72,7 @@ def sampled(result: Result, frames: Array) -> Sampled:
         ),
         objects={name: track(given) for name, given in result.objects.items()},
         scene=result.scene,
+        dents={name: dent.sampled(low, high, weight) for name, dent in result.dents.items()},
     )
 
 

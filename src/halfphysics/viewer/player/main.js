@@ -38,6 +38,7 @@ async function startPage(packed) {
   aimFirst();
   const drops = new PageDrops();
   const reel = new Reel(await inflated(packed.reel));
+  const dents = await Dents.load(packed.dents);
   const { skin } = packed;
   const clock = new OwnClock((reel.frames - 1) / data.fps, data.fps);
   whenLoaded(() => {
@@ -88,6 +89,7 @@ async function startPage(packed) {
         clock.tick();
         const now = frame();
         reel.show(now);
+        dents.show(now);
         drops.show(clock.shown);
         cameras.tick(now);
         if (painted !== now && data.people.every(node)) {
@@ -97,7 +99,7 @@ async function startPage(packed) {
         bar.refresh();
       });
     });
-    window.halfphysics = { clock, reel, compare, cameras, paint, drops };
+    window.halfphysics = { clock, reel, dents, compare, cameras, paint, drops };
   });
 }
 

@@ -134,13 +134,12 @@ def matrix(quaternion: np.ndarray) -> np.ndarray:
 def pressed(body: Body, layer: Layer, state: State) -> tuple[np.ndarray, np.ndarray, float]:
     """Force (3,) [N], moment (3,) about the centre of mass [N m], energy in the layer [J]."""
     turn = matrix(state.quaternion)
-    arms = body.surface.points @ turn.T
-    under = arms[:, 2] + state.position[2] < 0.0
-    facing = -(body.surface.normals[under] @ turn[2])
-    down = facing > 0.0
-    arms, facing = arms[under][down], facing[down]
-    areas = body.surface.areas[under][down] * facing
-    depth = -(arms[:, 2] + state.position[2])
+    facing = -(body.surface.normals @ turn[2])
+    depth = -(body.surface.points @ turn[2] + state.position[2])
+    under = np.flatnonzero((depth > 0.0) & (facing > 0.0))
+    depth = depth[under]
+    areas = body.surface.areas[under] * facing[under]
+    arms = body.surface.points[under] @ turn.T
     speed = state.velocity + np.cross(state.spin, arms)
     size = areas * np.maximum(0.0, layer.stiffness * depth - layer.damping * speed[:, 2])
     force = np.zeros_like(arms)

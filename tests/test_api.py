@@ -15,7 +15,7 @@ HEAVY = ("mujoco", "trimesh", "viser", "scipy", "tyro", "yaml", "PIL")
 NAMES = """
 JOINT_NAMES Body Box Capsule Cylinder HalfPhysicsError HalfPhysicsWarning Mesh Motion Plane Pose
 Result Scene Sequence Settings Simulator Sphere __version__ attach baselines clips compile_world
-connect errors export adapt fix judge load_sequence metrics progress scenarios serve simulate
+connect errors export adapt Soft fix judge load_sequence metrics progress scenarios serve simulate
 simulate_many support view bind step_worlds actors
 """
 
@@ -52,10 +52,12 @@ PARAMETERS = {
     "Scene": "gravity",
     "Scene.load": "path",
     "Scene.save": "self path",
-    "Scene.add_static": "self name shape * scale position quaternion up friction restitution",
+    "Scene.add_static": "self name shape * scale position quaternion up friction restitution soft",
     "Scene.add_object": "self name shape * mass density friction restitution com position "
     "quaternion velocity angular_velocity scale up start pieces "
-    "threshold max_pieces",
+    "threshold max_pieces soft",
+    "Soft": "thickness stiffness damping law densification hysteresis recovery",
+    "Soft.named": "name * thickness",
     "Scene.add_moving": "self name shape positions quaternions * fps friction restitution loop "
     "scale up",
     "Scene.add_articulated": "self name source * position quaternion friction restitution joints "

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from halfphysics.repair.repair import fix
     from halfphysics.results.result import Result
     from halfphysics.scene.scene import Scene
+    from halfphysics.scene.soft import Soft
     from halfphysics.settings import Settings
     from halfphysics.simulation.compile_world import compile_world
     from halfphysics.simulation.sequence import Sequence
@@ -61,6 +62,7 @@ __all__ = [
     "Sequence",
     "Settings",
     "Simulator",
+    "Soft",
     "Sphere",
     "__version__",
     "actors",
@@ -112,6 +114,7 @@ _FROM: dict[str, str | None] = {
     "Sequence": "simulation.sequence",
     "Settings": "settings",
     "Simulator": "simulation.simulator",
+    "Soft": "scene.soft",
     "Sphere": "geometry.shapes",
     "attach": "mujoco.attach",
     "bind": "mujoco.binding",

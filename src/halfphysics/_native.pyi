@@ -233,6 +233,52 @@ class Stepper:
 
     def add_mesh(self, arg0: int, arg1: MeshTree, /) -> None: ...
 
+    def set_soft_static(
+        self,
+        arg0: str,
+        arg1: float,
+        arg2: float,
+        arg3: float,
+        arg4: float,
+        arg5: float,
+        arg6: float,
+        arg7: Annotated[NDArray[numpy.float64], "(*, 3)"],
+        /,
+    ) -> None: ...
+
+    def set_soft_shape(
+        self,
+        arg0: str,
+        arg1: float,
+        arg2: float,
+        arg3: float,
+        arg4: float,
+        arg5: float,
+        arg6: float,
+        /,
+    ) -> None: ...
+
+    def set_samples(
+        self,
+        arg0: Annotated[NDArray[numpy.float64], "(*, 3)"],
+        arg1: Annotated[NDArray[numpy.float64], "(*, 3)"],
+        arg2: Annotated[NDArray[numpy.float64], "(*,)"],
+        /,
+    ) -> None: ...
+
+    def set_skin_samples(
+        self,
+        arg0: int,
+        arg1: Annotated[NDArray[numpy.int32], "(*,)"],
+        arg2: Annotated[NDArray[numpy.float64], "(*,)"],
+        arg3: Annotated[NDArray[numpy.float64], "(*, 3)"],
+        arg4: Annotated[NDArray[numpy.int32], "(*,)"],
+        arg5: Annotated[NDArray[numpy.float64], "(*,)"],
+        arg6: Annotated[NDArray[numpy.float64], "(*,)"],
+        arg7: Annotated[NDArray[numpy.float64], "(*,)"],
+        /,
+    ) -> None: ...
+
     def set_pairings(
         self,
         arg0: Annotated[NDArray[numpy.float64], "(*, *)"],
@@ -323,6 +369,8 @@ class Stepper:
     ) -> NDArray[numpy.float64]: ...
 
     def touches(self) -> NDArray[numpy.float64]: ...
+
+    def soft_contacts(self) -> dict[str, Any]: ...
 
     def diagnostics(self) -> dict[str, Any]: ...
 

@@ -15,6 +15,7 @@ from typing import Any
 from halfphysics.base.suggestions import did_you_mean
 from halfphysics.errors import InputError
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Shape, Sphere
+from halfphysics.scene.soft_materials import MATERIALS
 
 #: Shape by its word: constructor from numbers, their count, form for messages.
 _SHAPES: dict[str, tuple[Callable[[list[float]], Shape], int, str]] = {
@@ -33,6 +34,7 @@ _STATIC = {
     "quaternion": ("quaternion", 4),
     "scale": ("scale", 1),
     "up": ("up", 0),
+    "soft": ("soft", 0),
 }
 _OBJECT = {
     "mass": ("mass", 1),
@@ -48,7 +50,7 @@ _OBJECT = {
 _SHORT = {"at": "position", "quat": "quaternion"}
 
 #: Allowed values of the keys with text.
-_WORDS = {"up": ("y", "z"), "pieces": ("auto", "hull")}
+_WORDS = {"up": ("y", "z"), "pieces": ("auto", "hull"), "soft": tuple(MATERIALS)}
 
 Parsed = tuple[str, Shape | str, dict[str, Any]]
 
@@ -57,7 +59,7 @@ def parse_object(text: str) -> Parsed:
     """(name, shape or mesh path, keyword arguments of `Scene.add_object`) of one line.
 
     Keys: mass, density, friction, restitution, position, quaternion, velocity, scale, up,
-    pieces, threshold, max_pieces. Raises one `InputError` that lists all mistakes.
+    soft, pieces, threshold, max_pieces. Raises one `InputError` that lists all mistakes.
     """
     return _parse(text, _OBJECT, "object", "ball=sphere:0.11,mass=0.43,position=1:0:0.11")
 
@@ -65,8 +67,8 @@ def parse_object(text: str) -> Parsed:
 def parse_static(text: str) -> Parsed:
     """(name, shape or mesh path, keyword arguments of `Scene.add_static`) of one line.
 
-    Keys: friction, restitution, position, quaternion, scale, up. Raises one `InputError` that lists
-    all mistakes.
+    Keys: friction, restitution, position, quaternion, scale, up, soft. Raises one `InputError` that
+    lists all mistakes.
     """
     return _parse(text, _STATIC, "static", "wall=box:0.1:2:2.5,position=1:0:1.25")
 

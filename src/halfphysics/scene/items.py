@@ -19,6 +19,8 @@ from halfphysics.geometry.convex_decomposition import USUAL, Cut, Decomposition
 from halfphysics.geometry.mesh import Mesh, MeshSource
 from halfphysics.geometry.shape_base import Shape, Triangles
 from halfphysics.scene.material_pairs import PERSON
+from halfphysics.scene.soft import Soft, checked_soft
+from halfphysics.scene.soft_frame import SoftFrame, fitting, soft_frame
 
 if TYPE_CHECKING:
     from halfphysics.scene.scene import Scene
@@ -33,7 +35,10 @@ OBJECT_FRICTION = 0.8
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Static(ReadOnly):
-    """Static geometry; `position` (3,), `quaternion` (4,) of its frame in the world."""
+    """Static geometry; `position` (3,), `quaternion` (4,) of its frame in the world.
+
+    `shape` is what is seen; with a layer, `soft`, what nothing enters is the `frame` beneath.
+    """
 
     name: str
     shape: Shape
@@ -42,8 +47,19 @@ class Static(ReadOnly):
     friction: float = STATIC_FRICTION
     restitution: float = 0.0
     source: MeshSource | None = None
+    soft: Soft | None = None
 
     __repr__ = short_repr
+
+    @property
+    def soft_frame(self) -> SoftFrame | None:
+        """The layer's two surfaces, in its own frame; None: it is hard."""
+        return None if self.soft is None else soft_frame(self.shape, self.soft)
+
+    @property
+    def frame(self) -> Shape:
+        """The hard shape: its own, or what is left of it under the layer."""
+        return self.shape if (made := self.soft_frame) is None else made.frame
 
     def mesh(self) -> Triangles:
         """Vertices (V, 3) [m] and faces (F, 3) in its own frame; a plane is a large square."""
@@ -57,6 +73,7 @@ class Object(ReadOnly):
     `pieces` are the convex shapes that collide: one primitive or mesh, or the pieces of a divided
     mesh, whose error is in `decomposition` (None for a convex shape). `shape` is the one piece, or
     the solid that several pieces replace; `visual` is the mesh as given (None for a primitive).
+    With a layer, `soft`, these are its surface, and the pieces are those of the `frame` beneath.
     `mass` [kg], `com` (3,) centre of mass [m] and `inertia` (3, 3) about it [kg m^2] are in the
     object's frame; `position` (3,) and `quaternion` (4,) of that frame, `velocity` (3,) of its
     origin [m/s] and `angular_velocity` (3,) [rad/s] are those at the start, in the world. `start`:
@@ -79,13 +96,24 @@ class Object(ReadOnly):
     start: str = "awake"
     cut: Cut = USUAL
     decomposition: Decomposition | None = None
+    soft: Soft | None = None
 
     __repr__ = short_repr
 
     @property
+    def soft_frame(self) -> SoftFrame | None:
+        """The layer's two surfaces, in the object's frame; None: it is hard."""
+        return None if self.soft is None else soft_frame(self.true_shape, self.soft)
+
+    @property
+    def frame(self) -> Shape:
+        """The hard solid: its shape, or what is left of it under the layer."""
+        return self.shape if (made := self.soft_frame) is None else made.frame
+
+    @property
     def pieces(self) -> tuple[Shape, ...]:
         """The convex pieces that collide, in the object's frame."""
-        return (self.shape,) if self.decomposition is None else self.decomposition.pieces
+        return (self.frame,) if self.decomposition is None else self.decomposition.pieces
 
     def mesh(self) -> Triangles:
         """Vertices (V, 3) [m] and faces (F, 3) of the colliding pieces, in the object's frame."""
@@ -148,6 +176,19 @@ def checked_material(what: str, friction: float, restitution: float) -> dict[str
         "friction": number(friction, f"{what}: friction", least=0.0),
         "restitution": number(restitution, f"{what}: restitution", least=0.0, most=1.0),
     }
+
+
+def checked_layer(what: str, given: Any, shape: Shape) -> Soft | None:
+    """The layer that a caller gave, as the shape can have it.
+
+    Raises:
+        InputError: No layer, an unknown material, an impossible value, or too thick for the shape.
+    """
+    soft = checked_soft(what, given)
+    if soft is None:
+        return None
+    usual = isinstance(given, str) or (isinstance(given, Mapping) and "thickness" not in given)
+    return fitting(what, shape, soft, named=usual)
 
 
 def checked_shape(

@@ -16,7 +16,16 @@ from halfphysics.geometry.convex_decomposition import THRESHOLD, Cut, Decomposit
 from halfphysics.geometry.mesh import Mesh, MeshSource
 from halfphysics.geometry.shape_base import Shape
 from halfphysics.geometry.shapes import Plane
-from halfphysics.scene.items import Object, checked_material, checked_pose, checked_shape, fixed
+from halfphysics.scene.items import (
+    Object,
+    checked_layer,
+    checked_material,
+    checked_pose,
+    checked_shape,
+    fixed,
+)
+from halfphysics.scene.soft import Soft
+from halfphysics.scene.soft_frame import soft_frame
 from halfphysics.scene.trajectories import KinematicObject, start_velocity, trajectory
 
 
@@ -38,6 +47,7 @@ class _Solid:
     source: MeshSource | None
     cut: Cut
     decomposition: Decomposition | None
+    soft: Soft | None = None
 
     @property
     def visual(self) -> Mesh | None:
@@ -57,7 +67,9 @@ def build_object(
     material = checked_material(what, given["friction"], given["restitution"])
     filling = _checked_mass(what, given["mass"], given["density"])
     motion = _checked_start(what, given["velocity"], given["angular_velocity"], given["start"])
-    solid = _solid(what, shape, given["scale"], given["up"], options, filling["density"])
+    solid = _solid(
+        what, shape, given["scale"], given["up"], options, filling["density"], given["soft"]
+    )
     visual = solid.visual
     filled = solid.given if visual is None or visual.closed else solid.solid
     properties = filled.mass_properties(**filling)
@@ -73,6 +85,7 @@ def build_object(
         start=given["start"],
         cut=solid.cut,
         decomposition=solid.decomposition,
+        soft=solid.soft,
         **pose,
         **material,
         **motion,
@@ -130,8 +143,12 @@ def _solid(
     up: str | None,
     options: PieceOptions,
     density: float | None = None,
+    soft: Any = None,
 ) -> _Solid:
-    """The shape that was given and the solid that touches; a density needs a closed mesh."""
+    """The shape that was given and the solid that touches; a density needs a closed mesh.
+
+    Of a soft mesh that is not convex, the pieces are those of its frame.
+    """
     given, source = checked_shape(what, shape, scale, up)
     if isinstance(given, Plane):
         raise InputError(
@@ -144,8 +161,26 @@ def _solid(
             f"{what}: the mesh is not a closed surface, so it has no volume for a density; "
             "expected mass= [kg], or a mesh without holes"
         )
-    solid, decomposition = touching(what, given, cut, own)
-    return _Solid(given, solid, source, cut, decomposition)
+    layer = checked_layer(what, soft, given)
+    if layer is None or not isinstance(given, Mesh):
+        solid, decomposition = touching(what, given, cut, own)
+        return _Solid(given, solid, source, cut, decomposition, layer)
+    if own is not None:
+        raise InputError(
+            f"{what}: found pieces= and soft=; the pieces of a soft mesh are those of the hard frame "
+            "inside, which is made from it. Leave pieces= out"
+        )
+    if not given.closed:
+        raise InputError(
+            f"{what}: soft: the mesh is not a closed surface, so no frame can be put inside it; "
+            "expected a mesh without holes"
+        )
+    if given.is_convex:
+        return _Solid(given, given.hull, source, cut, None, layer)
+    _, decomposition = touching(f"{what}: its frame", soft_frame(given, layer).frame, cut, own)
+    if decomposition is None:  # the frame of what is nearly convex
+        return _Solid(given, given, source, cut, None, layer)
+    return _Solid(given, given, source, cut, decomposition, layer)
 
 
 def _checked_mass(what: str, mass: Any, density: Any) -> Mapping[str, float | None]:

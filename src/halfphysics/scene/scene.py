@@ -24,6 +24,7 @@ from halfphysics.scene.items import (
     STATIC_FRICTION,
     Object,
     Static,
+    checked_layer,
     checked_material,
     checked_name,
     checked_pose,
@@ -37,6 +38,7 @@ from halfphysics.scene.trajectories import KinematicObject
 if TYPE_CHECKING:
     from halfphysics.scene.articulated import Articulated
     from halfphysics.scene.rays import Hit
+    from halfphysics.scene.soft import Soft
 
 Array = NDArray[np.float64]
 
@@ -93,6 +95,7 @@ class Scene(InNotebook, ReadOnly):
         up: str | None = None,
         friction: float = STATIC_FRICTION,
         restitution: float = 0.0,
+        soft: Soft | str | Mapping[str, Any] | None = None,
     ) -> Static:
         """Add static geometry.
 
@@ -104,6 +107,8 @@ class Scene(InNotebook, ReadOnly):
             up: Axis of a mesh that points up, "y" or "z"; None: y for glTF files, else z.
             friction: Coulomb coefficient; a pair has the smaller of the two.
             restitution: 0 to 1; a pair has the larger of the two.
+            soft: A layer that gives way, `halfphysics.Soft`, or a material's name, such as "sofa"
+                (docs/soft.md). The shape is then its unloaded surface. None: hard.
 
         Raises:
             InputError: An impossible value. FileError: A mesh file that cannot be used.
@@ -117,7 +122,8 @@ class Scene(InNotebook, ReadOnly):
         material = checked_material(what, friction, restitution)
         made, source = checked_shape(what, shape, scale, up)
         warn_of_doubts(what, made, pose, source, scale, up)
-        static = Static(name=name, shape=made, source=source, **pose, **material)
+        layer = checked_layer(what, soft, made)
+        static = Static(name=name, shape=made, source=source, soft=layer, **pose, **material)
         self._statics[name] = static
         return static
 
@@ -141,6 +147,7 @@ class Scene(InNotebook, ReadOnly):
         pieces: str | Sequence[Any] = "auto",
         threshold: float = THRESHOLD,
         max_pieces: int | None = None,
+        soft: Soft | str | Mapping[str, Any] | None = None,
     ) -> Object:
         """Add a rigid body that moves by contact and gravity.
 
@@ -164,6 +171,7 @@ class Scene(InNotebook, ReadOnly):
                 object's frame [m].
             threshold: Largest distance by which pieces should stick out of the mesh [m].
             max_pieces: Largest number of pieces; None: as many as the threshold requires.
+            soft: A layer that gives way, as for statics: a cushion, a ball.
 
             Warns (`HalfPhysicsWarning`) if pieces deviate by more than 5 mm, if coacd is needed and
             not installed (the hull is used), and if a mesh is not closed.
@@ -188,6 +196,7 @@ class Scene(InNotebook, ReadOnly):
             scale=scale,
             up=up,
             start=start,
+            soft=soft,
         )
         self._keep(item)
         return item

@@ -6,6 +6,7 @@ import logging
 import os
 import warnings
 from collections.abc import Callable, Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -38,6 +39,7 @@ from halfphysics.geometry.shapes import (
     Sphere,
 )
 from halfphysics.scene.scene import Scene
+from halfphysics.scene.soft import Soft
 
 if TYPE_CHECKING:
     pass
@@ -59,10 +61,11 @@ SHAPES: dict[str, tuple[type[Shape], tuple[str, ...], tuple[str, ...]]] = {
     "cylinder": (Cylinder, ("radius", "length"), ()),
 }
 _MESH_KEYS = ("scale", "up", "sha256")
-_STATIC_KEYS = ("position", "quaternion", "friction", "restitution")
+_PLACED_KEYS = ("position", "quaternion", "friction", "restitution")
+_STATIC_KEYS = (*_PLACED_KEYS, "soft")
 _OBJECT_KEYS = ("mass", "density", "com", *_STATIC_KEYS, "velocity", "angular_velocity", "start")
 _MOVING_KEYS = ("positions", "quaternions", "fps", "loop", "friction", "restitution")
-_ARTICULATED_KEYS = ("file", "xml", "sha256", *_STATIC_KEYS, "joints", "velocities")
+_ARTICULATED_KEYS = ("file", "xml", "sha256", *_PLACED_KEYS, "joints", "velocities")
 _SCENE_KEYS = (
     "version",
     "gravity",
@@ -74,6 +77,7 @@ _SCENE_KEYS = (
     "ignore",
 )
 PIECE_KEYS = ("pieces", "threshold", "max_pieces")
+_SOFT_TEXTS = ("material", "law")
 
 
 def load_scene(path: str | os.PathLike[str]) -> Scene:
@@ -195,7 +199,7 @@ def _add_articulated(scene: Scene, name: str, entry: Entry, base: Path) -> None:
     if ("file" in given) == ("xml" in given):
         found = "both" if "file" in given else "neither"
         raise entry.error(f"expected file (path of MJCF or URDF) or xml (its text), found {found}")
-    options = {key: _READ[key](given[key]) for key in _STATIC_KEYS if key in given}
+    options = {key: _READ[key](given[key]) for key in _PLACED_KEYS if key in given}
     for key in ("joints", "velocities"):
         if key in given:
             named = named_entries(given[key], "from joints to numbers")
@@ -230,6 +234,14 @@ def _pieces(entry: Entry) -> str | list[Mesh]:
     if isinstance(entry.value, list):
         return [_written_out(piece) for piece in entry.value]
     return choice(entry, ("auto", "hull"))
+
+
+def _soft(entry: Entry) -> str | dict[str, Any]:
+    """A material's name, or the fields of a layer."""
+    if not isinstance(entry.value, dict):
+        return text(entry)
+    given = mapping(entry, ("material", *(f.name for f in fields(Soft))), " for a soft layer")
+    return {key: (text if key in _SOFT_TEXTS else number)(value) for key, value in given.items()}
 
 
 def _named(entry: Entry | None) -> list[tuple[str, Entry]]:
@@ -270,4 +282,5 @@ _READ: dict[str, Read] = {
     "threshold": number,
     "max_pieces": number,
     "pieces": _pieces,
+    "soft": _soft,
 }

@@ -84,6 +84,8 @@ def _item(item: Static | Object, base: Path | None) -> dict[str, Any]:
         result["friction"] = item.friction
     if item.restitution:
         result["restitution"] = item.restitution
+    if item.soft is not None:
+        result["soft"] = item.soft.document
     return result
 
 

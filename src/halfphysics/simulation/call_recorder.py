@@ -25,6 +25,36 @@ CALLS: Mapping[str, tuple[str, ...]] = {
     "set_slack": ("slack",),
     "add_half_space": ("name", "normal", "offset"),
     "add_hull": ("name", "vertices", "normals", "radius", "rim"),
+    "set_soft_static": (
+        "law",
+        "thickness",
+        "stiffness",
+        "damping",
+        "densification",
+        "arm",
+        "relaxation",
+        "corners",
+    ),
+    "set_soft_shape": (
+        "law",
+        "thickness",
+        "stiffness",
+        "damping",
+        "densification",
+        "arm",
+        "relaxation",
+    ),
+    "set_samples": ("points", "normals", "areas"),
+    "set_skin_samples": (
+        "person",
+        "vertices",
+        "areas",
+        "normals",
+        "parts",
+        "thickness",
+        "stiffness",
+        "damping",
+    ),
     "set_pairings": ("friction", "restitution", "ignore"),
     "set_drive": (),
     "set_contact": (),
@@ -40,7 +70,22 @@ CALLS: Mapping[str, tuple[str, ...]] = {
     "set_self_pairs": ("pairs",),
 }
 #: Arguments that are numbers with a fraction even where Python has a whole one.
-_REAL = frozenset({"radius", "offset", "slack", "fps"})
+_REAL = frozenset(
+    {
+        "radius",
+        "offset",
+        "slack",
+        "fps",
+        "thickness",
+        "stiffness",
+        "damping",
+        "densification",
+        "arm",
+        "relaxation",
+        "corners",
+        "areas",
+    }
+)
 #: Questions that building asks the core: passed on, not kept.
 _QUESTIONS = frozenset({"pair_gaps"})
 

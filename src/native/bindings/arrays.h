@@ -48,6 +48,14 @@ inline auto array(std::vector<size_t> shape, const std::vector<double>& values) 
 
 inline auto array(const std::vector<double>& v) { return array({v.size()}, v); }
 
+inline auto array(const std::vector<int>& values) {
+  int32_t* data = new int32_t[values.size() + 1];
+  std::copy(values.begin(), values.end(), data);
+  nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<int32_t*>(p); });
+  const size_t shape[] = {values.size()};
+  return nb::ndarray<nb::numpy, int32_t>(data, 1, shape, owner);
+}
+
 inline void push(std::vector<double>& out, Vec3 v) { out.insert(out.end(), {v.x, v.y, v.z}); }
 
 }  // namespace hp

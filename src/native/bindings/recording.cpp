@@ -17,6 +17,8 @@ void Recording::add(Stepper& s) {
   const size_t before = inside.size();
   inside_rows(s.system.world, inside);
   inside_count.push_back((double)(inside.size() - before) / 4);
+  soft_count.push_back((double)s.result().soft.size());
+  soft_rows(s.result().soft, soft);
   breach_count.push_back((double)s.result().breaches.size());
   breach_rows(s.result().breaches, breaches);
   s.footing(footing);
@@ -37,6 +39,8 @@ nb::dict Recording::dict(const Stepper& s) const {
   d["inside"] = array({inside.size() / 4, 4}, inside);
   d["breach_count"] = array(breach_count);
   d["breaches"] = array({breaches.size() / 4, 4}, breaches);
+  d["soft_count"] = array(soft_count);
+  d["soft"] = array({soft.size() / kSoftColumns, kSoftColumns}, soft);
   d["footing"] = array({done, s.system.drives.size(), 2}, footing);
   d["torque_frames"] = array(torque_frames);
   d["torques"] = array({torque_frames.size(), (size_t)s.system.ball_count(), 3}, torques);

@@ -6,7 +6,7 @@ namespace hp {
 
 struct Recording {
   std::vector<double> torques, torque_frames, poses, clearance, lost, touches, touch_count, numbers,
-      inside, inside_count, breaches, breach_count, footing;
+      inside, inside_count, soft, soft_count, breaches, breach_count, footing;
   size_t done = 0;  // frames
 
   void add(Stepper& s);

@@ -23,6 +23,10 @@ namespace hp {
 
 // Columns: shape, other static, other shape, position, normal, impulse.
 void touch_rows(const std::vector<Touch>& touches, std::vector<double>& out);
+// Columns: layer's static, layer's shape, shape, sample, position, normal, depth [m], pressure [Pa],
+// projected area [m^2].
+constexpr size_t kSoftColumns = 13;
+void soft_rows(const std::vector<SoftPoint>& points, std::vector<double>& out);
 // Columns: shape, static, other shape, depth [m].
 void inside_rows(const World& world, std::vector<double>& out);
 // The same of overlaps that should not be.

@@ -19,6 +19,16 @@ void touch_rows(const std::vector<Touch>& touches, std::vector<double>& out) {
   }
 }
 
+void soft_rows(const std::vector<SoftPoint>& points, std::vector<double>& out) {
+  for (const SoftPoint& p : points) {
+    out.insert(out.end(),
+               {(double)p.layer_static, (double)p.layer_shape, (double)p.shape, (double)p.sample});
+    push(out, p.position);
+    push(out, p.normal);
+    out.insert(out.end(), {p.depth, p.pressure, p.area});
+  }
+}
+
 void inside_rows(const World& world, std::vector<double>& out) {
   for (const InitialOverlap& in : world.depenetration.overlaps())
     out.insert(out.end(),
@@ -76,6 +86,30 @@ auto clearance(Stepper& s) {
   return s.clearance();
 }
 
+// By name, one row per sample; indices are whole numbers (n,), positions and normals (n, 3).
+nb::dict soft_contacts(Stepper& s) {
+  const std::vector<SoftPoint>& points = s.result().soft;
+  const size_t n = points.size();
+  std::vector<int> index[4];
+  std::vector<double> position, normal, depth, pressure, area;
+  for (const SoftPoint& p : points) {
+    const int whole[] = {p.layer_static, p.layer_shape, p.shape, p.sample};
+    for (int k = 0; k < 4; k++) index[k].push_back(whole[k]);
+    push(position, p.position);
+    push(normal, p.normal);
+    depth.push_back(p.depth), pressure.push_back(p.pressure), area.push_back(p.area);
+  }
+  nb::dict out;
+  const char* const names[] = {"layer_static", "layer_shape", "shape", "sample"};
+  for (int k = 0; k < 4; k++) out[names[k]] = array(index[k]);
+  out["position"] = array({n, 3}, position);
+  out["normal"] = array({n, 3}, normal);
+  out["depth"] = array(depth);
+  out["pressure"] = array(pressure);
+  out["area"] = array(area);
+  return out;
+}
+
 nb::dict diagnostics(Stepper& s) {
   const Diagnostics& d = s.result().diagnostics;
   nb::dict out;
@@ -107,6 +141,8 @@ void bind_stepper_results(StepperClass& stepper) {
              touch_rows(touches, out);
              return array({touches.size(), 12}, out);
            })
+      // Samples under pressure at the end of the last frame, see soft_rows().
+      .def("soft_contacts", &soft_contacts)
       .def("diagnostics", &diagnostics)
       // Bodies whose tree was touched in the substep before (a person's: in the frame).
       .def("disturbed",

@@ -5,6 +5,7 @@
 
 #include "assembly/limit_calls.h"
 #include "assembly/shape_calls.h"
+#include "assembly/soft_calls.h"
 #include "assembly/system_calls.h"
 #include "compiled/arguments.h"
 #include "compiled/label_calls.h"
@@ -87,6 +88,19 @@ constexpr Entry kCalls[] = {
     {"add_half_space", Phase::Shapes, call<&add_half_space>, {"name", "normal", "offset"}},
     {"add_hull", Phase::Shapes, call<&add_hull>, {"name", "vertices", "normals", "radius", "rim"}},
     {"add_mesh", Phase::Shapes, call<&add_triangles>, {"name", "vertices", "faces"}},
+    {"set_soft_static",
+     Phase::Shapes,
+     call<&set_soft_static>,
+     {"law", "thickness", "stiffness", "damping", "densification", "arm", "relaxation", "corners"}},
+    {"set_soft_shape",
+     Phase::Shapes,
+     call<&set_soft_shape>,
+     {"law", "thickness", "stiffness", "damping", "densification", "arm", "relaxation"}},
+    {"set_samples", Phase::Shapes, call<&set_samples>, {"points", "normals", "areas"}},
+    {"set_skin_samples",
+     Phase::Shapes,
+     call<&set_skin_samples>,
+     {"person", "vertices", "areas", "normals", "parts", "thickness", "stiffness", "damping"}},
     {"set_pairings", Phase::Shapes, call<&set_pairings>, {"friction", "restitution", "ignore"}},
     {"set_drive",
      Phase::Shapes,

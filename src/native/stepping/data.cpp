@@ -33,6 +33,7 @@ const std::vector<double>& Step::way(const System& system, const State& state) {
 
 void FrameResult::clear(int nbody) {
   touches.clear();
+  soft.clear();
   points.clear();
   breaches.clear();
   diagnostics = {};

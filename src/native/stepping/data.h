@@ -108,8 +108,18 @@ struct Diagnostics {  // of one frame
   double lost_time = 0;  // [s]
 };
 
+// A sample under pressure at the end of a frame.
+struct SoftPoint {
+  int layer_static = -1,
+      layer_shape = -1;       // what is pressed; -1: the other, or a shape's own layer
+  int shape = 0, sample = 0;  // what presses, by the caller's number
+  Vec3 position, normal;      // of the sample; from the layer outward, unit
+  double depth = 0, pressure = 0, area = 0;  // [m], [Pa], projected [m^2]
+};
+
 struct FrameResult {
   std::vector<Touch> touches;
+  std::vector<SoftPoint> soft;
   // Every contact point that carried an impulse, one by one, where somebody asks for them.
   struct Point {
     int shape, other_static, other_shape;

@@ -22,6 +22,7 @@ void System::finish(const std::vector<int>& person_roots) {
     if (m.body <= 0 || m.body >= model.nbody) throw std::invalid_argument("bad body of a shape");
     m.finish();
   }
+  soft.finish(world);
   find_joint_reach();
   world.standing.assign(model.nbody, 0);
   world.asleep.assign(model.nbody, 0);

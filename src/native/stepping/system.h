@@ -10,6 +10,7 @@
 
 #include "collision/world.h"
 #include "dynamics/articulation.h"
+#include "soft/soft_world.h"
 #include "stepping/drive.h"
 
 namespace hp {
@@ -22,6 +23,7 @@ enum class Prescribed { No = 0, Kinematic = 1, Positions = 2, Interpolated = 3 }
 struct System {
   Model model;
   World world;
+  SoftWorld soft;
   Articulations articulations;
   DriveSettings drive_settings;
   Vec3 gravity{0, 0, -9.81};      // [m/s^2]

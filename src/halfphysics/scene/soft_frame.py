@@ -1,0 +1,228 @@
+"""The hard frame under a soft layer: the shape that nothing enters.
+
+The shape that a user gives is the surface, unloaded. Of a box, sphere, capsule or cylinder the frame
+is the same kind, smaller by the thickness on all sides; of a plane it is lower; of a mesh every
+vertex moves inward (`halfphysics.geometry.inset`), less where the mesh is thin.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.errors import InputError
+from halfphysics.geometry.inset import OPPOSITE, SHARE, inset
+from halfphysics.geometry.mesh import Mesh
+from halfphysics.geometry.shape_base import Array, Shape
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Sphere
+from halfphysics.geometry.surface_samples import surface_samples
+from halfphysics.scene.soft import Soft
+
+#: Faces of a mesh that is thin somewhere are cut to edges of this length [m], so that the frame is
+#: the same however coarse the mesh is; longer ones where that were more than `MOST_FACES`.
+EDGE = 0.05
+MOST_FACES = 60_000
+#: Thickness over the sharpest tips of a mesh [m]: none would be no layer.
+LEAST = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class SoftFrame:
+    """A layer's two surfaces, in the shape's frame.
+
+    Attributes:
+        frame: The hard shape beneath.
+        surface: Vertices of the unloaded surface (v, 3) [m]. Of a mesh: as given, or more of them.
+        inner: The same vertices on the frame (v, 3) [m].
+        faces: Of both (f, 3).
+        thickness: Over each vertex (v,) [m].
+    """
+
+    frame: Shape
+    surface: Array
+    inner: Array
+    faces: NDArray[np.int32]
+    thickness: Array
+
+    def corner_thickness(self) -> Array:
+        """Thickness at the corners of the faces of a frame that is a mesh (f, 3) [m]."""
+        return self._on_frame[self.frame.triangles()[1]]
+
+    @property
+    def _on_frame(self) -> Array:
+        """Thickness at the frame's own vertices, of which there may be fewer: equal ones are one."""
+        vertices = self.frame.triangles()[0]
+        order = np.lexsort(self.inner.T[::-1])
+        found: dict[tuple[float, ...], float] = {}
+        for i in order:
+            key = tuple((self.inner[i] + 0.0).tolist())
+            found[key] = min(found.get(key, np.inf), float(self.thickness[i]))
+        return np.array([found[tuple(v)] for v in vertices.tolist()])
+
+
+_known: WeakKeyDictionary[Mesh, dict[float, SoftFrame]] = WeakKeyDictionary()
+
+
+def soft_frame(shape: Shape, soft: Soft) -> SoftFrame:
+    """The frame of a soft shape; of a mesh, made once per mesh and thickness.
+
+    Raises:
+        InputError: The layer is too thick for a primitive shape.
+    """
+    if not isinstance(shape, Mesh):
+        return _of_primitive(shape, soft.thickness)
+    known = _known.setdefault(shape, {})
+    if soft.thickness not in known:
+        known[soft.thickness] = _of_mesh(shape, soft.thickness)
+    return known[soft.thickness]
+
+
+def most_thickness(shape: Shape) -> float:
+    """The thickest layer that a shape can have [m]; inf: any, as planes and meshes."""
+    if isinstance(shape, Box):
+        return float(SHARE * min(shape.size))
+    if isinstance(shape, Sphere | Capsule):
+        return 2.0 * SHARE * shape.radius
+    if isinstance(shape, Cylinder):
+        return SHARE * min(2.0 * shape.radius, shape.length)
+    return float("inf")
+
+
+def fitting(what: str, shape: Shape, soft: Soft, named: bool) -> Soft:
+    """The layer as a shape can have it.
+
+    Args:
+        what: Begins the message.
+        shape: What is soft.
+        soft: The layer.
+        named: It is a material's usual layer: made thinner where it does not fit.
+
+    Raises:
+        InputError: The layer is too thick.
+    """
+    most = most_thickness(shape)
+    if soft.thickness <= most:
+        return soft
+    if named:
+        return soft.thinner(most)
+    raise InputError(
+        f"{what}: soft: thickness is {soft.thickness:g} m; expected at most {most:g} m, so that a "
+        f"hard core of a tenth is left of {shape!r}. Make it thinner, or the shape larger (it may "
+        "reach into what it lies on)"
+    )
+
+
+def _of_primitive(shape: Shape, t: float) -> SoftFrame:
+    frame: Shape
+    if isinstance(shape, Plane):
+        frame = Plane(shape.normal, shape.offset - t)
+    elif isinstance(shape, Box):
+        frame = Box([size - 2.0 * t for size in shape.size])
+    elif isinstance(shape, Sphere):
+        frame = Sphere(shape.radius - t)
+    elif isinstance(shape, Capsule):
+        frame = Capsule(shape.radius - t, shape.length)
+    elif isinstance(shape, Cylinder):
+        frame = Cylinder(shape.radius - t, shape.length - 2.0 * t)
+    else:
+        raise InputError(f"soft: found {type(shape).__name__}, expected a shape of halfphysics")
+    surface, faces = shape.triangles()
+    inner = frame.triangles()[0]
+    return SoftFrame(frame, surface, inner, faces, np.full(len(surface), t))
+
+
+def _of_mesh(mesh: Mesh, t: float) -> SoftFrame:
+    vertices, faces = _outward(mesh)
+    made = inset(vertices, faces, t)
+    if made.thickness.min() < 0.999 * t or _thin_between(mesh, t):
+        vertices, faces = _finer(vertices, faces)
+        made = inset(vertices, faces, t)
+    for array in (vertices, made.vertices, faces):
+        array.setflags(write=False)
+    thickness = np.maximum(made.thickness, LEAST)
+    frame = Mesh(made.vertices, faces)
+    return SoftFrame(frame, vertices, made.vertices, faces, thickness)
+
+
+def _outward(mesh: Mesh) -> tuple[Array, NDArray[np.int32]]:
+    """A mesh whose faces look outward: a closed one that is inside out is turned."""
+    from halfphysics.geometry.mesh_solids import solid_moments
+
+    faces = mesh.faces
+    if mesh.closed and solid_moments(mesh.vertices, faces)[0] < 0.0:
+        faces = np.ascontiguousarray(faces[:, ::-1])
+    return mesh.vertices, faces
+
+
+def _thin_between(mesh: Mesh, t: float) -> bool:
+    """Whether a mesh is thinner than its layer at places between its vertices."""
+    samples = surface_samples(mesh, EDGE)
+    places = samples.points - t * samples.normals
+    far, face, _ = mesh.query.closest(places)
+    if mesh.closed and not mesh.query.inside(places).all():
+        return True
+    a, b, c = np.moveaxis(mesh.vertices[mesh.faces[face]], 1, 0)
+    across = np.cross(b - a, c - a)
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    opposite = np.einsum("ij,ij->i", across, samples.normals) < -OPPOSITE
+    return bool((opposite & (far < t)).any())
+
+
+def _finer(vertices: Array, faces: NDArray[np.int32]) -> tuple[Array, NDArray[np.int32]]:
+    """The same surface with its longer edges cut in halves, until none is longer than `EDGE`."""
+    a, b, c = np.moveaxis(vertices[faces], 1, 0)
+    area = 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
+    edge = max(EDGE, float(np.sqrt(8.0 * area / MOST_FACES)))
+    return split_edges(vertices, faces, edge)
+
+
+def split_edges(
+    vertices: Array, faces: NDArray[np.int32], edge: float
+) -> tuple[Array, NDArray[np.int32]]:
+    """Triangles with every edge longer than `edge` [m] cut in halves, again and again.
+
+    Neighbours share the new vertices: what was closed stays closed.
+    """
+    while True:
+        pairs = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+        unique, which = np.unique(pairs, axis=0, return_inverse=True)
+        length = np.linalg.norm(vertices[unique[:, 0]] - vertices[unique[:, 1]], axis=1)
+        # The longest edge of a triangle first: no slivers.
+        own = length[which.reshape(-1, 3)]
+        longest = own.argmax(axis=1)
+        cut = np.zeros(len(unique), dtype=bool)
+        rows = np.flatnonzero(own.max(axis=1) > edge * (1.0 + 1e-9))
+        cut[which.reshape(-1, 3)[rows, longest[rows]]] = True
+        if not cut.any():
+            return vertices, faces
+        number = np.full(len(unique), -1)
+        number[cut] = len(vertices) + np.arange(int(cut.sum()))
+        middle = 0.5 * (vertices[unique[cut, 0]] + vertices[unique[cut, 1]])
+        vertices = np.concatenate([vertices, middle])
+        faces = _divided(faces, number[which.reshape(-1, 3)], own)
+
+
+def _divided(
+    faces: NDArray[np.int32], new: NDArray[np.int64], length: Array
+) -> NDArray[np.int32]:
+    """Triangles with a new vertex on some of their edges (f, 3; -1: none), the longest cut first."""
+    made = []
+    for face, middle, size in zip(faces.tolist(), new.tolist(), length.tolist(), strict=True):
+        made += _cut(face, middle, size)
+    return np.array(made, dtype=np.int32)
+
+
+def _cut(face: list[int], middle: list[int], size: list[float]) -> list[list[int]]:
+    cut = [k for k in range(3) if middle[k] >= 0]
+    if not cut:
+        return [face]
+    k = max(cut, key=lambda i: size[i])
+    a, b, c = face[k], face[(k + 1) % 3], face[(k + 2) % 3]
+    m = middle[k]
+    # Edges of the halves: (a, m), (m, c), (c, a) and (m, b), (b, c), (c, m).
+    left = _cut([a, m, c], [-1, -1, middle[(k + 2) % 3]], [0.0, 0.0, 1.0])
+    right = _cut([m, b, c], [-1, middle[(k + 1) % 3], -1], [0.0, 1.0, 0.0])
+    return left + right

@@ -1,0 +1,71 @@
+// What is soft, and the points by which things press on it. Plain data, filled in by assembly/soft_calls.h.
+//
+// A soft thing is its hard frame, which collides as everything does, under a layer: the geometry in
+// CollisionWorld is the frame, and the visible surface lies a thickness above it. A shape presses on a layer
+// by its samples: points of its hard surface, each with an outward normal and an area. Samples of what is
+// soft have a layer of their own above them.
+#pragma once
+#include <vector>
+
+#include "collision/collision_world.h"
+#include "geometry/triangle_tree.h"
+#include "soft/soft_law.h"
+
+namespace hp {
+
+struct SoftLayer {
+  SoftLaw law;
+  double thickness = 0;  // [m]; 0: hard
+  // Of a mesh: the thickness at the corners of its faces, in the order in which they were given [m];
+  // empty: the same everywhere.
+  std::vector<Vec3> corners;
+  bool soft() const { return thickness > 0; }
+};
+
+// The points by which one shape presses on layers.
+struct SurfaceSamples {
+  // In the frame of the shape's body; of a skin: empty, points are vertices of the posed shape.
+  std::vector<Vec3> points;
+  std::vector<Vec3> normals;      // unit, outward, in the same frame; of a skin: at rest
+  std::vector<double> areas;      // [m^2]
+  std::vector<int> vertex;        // of a skin: in the shape
+  std::vector<int> number;        // of a skin: in the order in which they were given
+  std::vector<SoftLayer> layers;  // of a skin: of each sample; else: that of the shape
+  double pitch = 0;               // distance of neighbours, about [m]
+  double thickest = 0;            // layer above a sample [m]
+  int size() const { return (int)normals.size(); }
+};
+
+// Samples of a person's skin as they were given, before its shapes are known to be complete.
+struct SkinSamples {
+  int person = 0;
+  std::vector<int> vertices, parts;
+  std::vector<double> areas, thickness, stiffness, damping;
+  std::vector<Vec3> normals;
+};
+
+struct SoftWorld {
+  std::vector<SoftLayer> of_static, of_shape;  // as many as there are, or fewer: the rest is hard
+  std::vector<SurfaceSamples> samples;         // per shape, or fewer
+  std::vector<SkinSamples> skins;
+  // Of soft static meshes: the tree that points ask. Per static, or fewer.
+  std::vector<std::shared_ptr<const triangles::Tree>> trees;
+
+  bool any() const { return any_; }
+  const SoftLayer& layer_of_static(int i) const;
+  const SoftLayer& layer_of_shape(int i) const;
+  const SurfaceSamples& samples_of(int shape) const;
+  // The number that the caller knows a sample by.
+  int number(int shape, int sample) const;
+
+  // When all shapes are there. Throws std::invalid_argument where samples name what does not exist.
+  void finish(const CollisionWorld& world);
+
+ private:
+  void place_skin(const CollisionWorld& world, const SkinSamples& skin);
+  void build_trees(const CollisionWorld& world);
+
+  bool any_ = false;
+};
+
+}  // namespace hp

@@ -22,7 +22,7 @@ simulate_many support view bind step_worlds actors
 SETTINGS = (
     "* substeps stiffness drive_time recovery_rate weight blocked root root_speed clearance "
     "clearance_range contact self_contact depenetration_speed tolerance max_sweeps strength "
-    "joint_limits threads record"
+    "joint_limits soft_skin threads record"
 )
 
 # The public callables: name -> parameters, * before keyword-only ones.

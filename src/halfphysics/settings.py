@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 from halfphysics.base.field_checks import FieldChecks
 from halfphysics.base.short_repr import changed_repr
+from halfphysics.body.soft_skin import SoftSkin, checked_soft_skin
 from halfphysics.body.strength import checked_strength
 from halfphysics.errors import InputError
 from halfphysics.motion.joint_groups import joint_values
@@ -110,6 +111,9 @@ class Settings:
     body, "root" the force on it [N]; what is not named has no limit."""
     joint_limits: bool = True
     """Contact turns no joint farther than people's joints go, or than the motion itself has it."""
+    soft_skin: bool | SoftSkin = False
+    """Skin gives way, by millimetres and more at the seat; what stays clear is the hard core
+    beneath. Values by part: docs/soft.md."""
     threads: int = 1
     """Threads for measuring a result (a substep runs on one); no number depends on it."""
     record: Literal["frames", "substeps"] = "frames"
@@ -153,6 +157,12 @@ class Settings:
         )
         check.flag("self_contact")
         check.flag("joint_limits")
+        object.__setattr__(self, "soft_skin", checked_soft_skin(self.soft_skin))
+        check.holds(
+            "soft_skin",
+            self.soft_skin is False or self.contact == "skin",
+            'False with contact="parts": rigid parts have no skin. Set contact="skin"',
+        )
         check.number("depenetration_speed", least=0.0)
         check.number("tolerance", above=0.0)
         check.count("max_sweeps")

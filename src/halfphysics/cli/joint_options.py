@@ -1,4 +1,4 @@
-"""`--stiffness 1`, `--stiffness hands=1,legs=0.2`, `--strength human`: numbers per joint group."""
+"""`--stiffness hands=1,legs=0.2`, `--strength human`, `--soft-skin yes`: values per joint group."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ from typing import Any, Literal
 
 import tyro
 
+from halfphysics.body.soft_skin import SoftSkin
 from halfphysics.motion.joint_groups import JointValues
 
 _STIFFNESS = float | Mapping[str, float]
 _STRENGTH = Literal["human"] | Mapping[str, float] | None
+_SOFT_SKIN = bool | SoftSkin
 
 
 def joint_spec(kind: Any) -> Any:
@@ -19,7 +21,15 @@ def joint_spec(kind: Any) -> Any:
         return _spec("NUMBER|JOINTS=NUMBER,...", _number)
     if kind == _STRENGTH:
         return _spec("human|none|JOINTS=NUMBER,...", _word)
+    if kind == _SOFT_SKIN:
+        return _spec("yes|no", _yes)
     return None
+
+
+def _yes(text: str) -> bool:
+    if text not in ("yes", "no"):
+        raise ValueError(f"found {text!r}, expected yes or no")
+    return text == "yes"
 
 
 def _number(text: str) -> float:
@@ -62,7 +72,9 @@ def _pairs(text: str) -> dict[str, float]:
     return pairs
 
 
-def _text(value: float | str | JointValues | None) -> str:
+def _text(value: float | str | bool | SoftSkin | JointValues | None) -> str:
+    if isinstance(value, bool | SoftSkin):
+        return "yes" if value else "no"
     if isinstance(value, Mapping):
         return ",".join(f"{name}={number:g}" for name, number in value.items())
     return "none" if value is None else f"{value:g}" if isinstance(value, float) else str(value)

@@ -19,6 +19,12 @@ from halfphysics.geometry.colliders import convex_collider
 from halfphysics.geometry.shapes import Mesh, Plane
 from halfphysics.simulation.mesh_trees import mesh_tree
 from halfphysics.simulation.person_shapes import add_person_shapes
+from halfphysics.simulation.soft_shapes import (
+    anything_soft,
+    set_link_samples,
+    set_soft_piece,
+    set_soft_static,
+)
 
 if TYPE_CHECKING:
     from halfphysics.scene.articulated import Articulated, LinkPlace
@@ -64,7 +70,7 @@ def add_shapes(
     links: Sequence[LinkPlace],
 ) -> ShapeTable:
     """Add all shapes to the core: of people, objects and links, then of static geometry."""
-    table = ShapeTable()
+    table, soft = ShapeTable(), anything_soft(scene, settings)
     for index, person in enumerate(people):
         parts = add_person_shapes(
             core,
@@ -74,15 +80,17 @@ def add_shapes(
             prefix=f"{person.name}/",
             index=index,
             row=partial(names.row_of_part, person.name),
+            sampled=soft,
         )
         table.name += [names.index(person.name)] * len(parts)
         table.part += parts
     for item in scene.objects.values():
-        _add_object(core, model, item, names.index(item.name), table)
+        _add_object(core, model, item, names.index(item.name), table, soft)
     for articulated in scene.articulated.values():
-        _add_links(core, model, articulated, names, table)
+        _add_links(core, model, articulated, names, table, soft)
     for index, static in enumerate(scene.statics.values()):
         _add_static(core, static, index)
+        set_soft_static(core, static)
         table.static_name.append(index)
     places = {link.name: link for link in links}
     for articulated in scene.articulated.values():
@@ -90,25 +98,36 @@ def add_shapes(
     return table
 
 
-def _add_object(core: Any, model: Any, item: Object, index: int, table: ShapeTable) -> None:
+def _add_object(
+    core: Any, model: Any, item: Object, index: int, table: ShapeTable, soft: bool
+) -> None:
     body, cut = model.body(f"object/{item.name}").id, item.decomposition
-    for piece in item.pieces:
+    for number, piece in enumerate(item.pieces):
         collider = convex_collider(piece).moved(np.eye(3), -np.array(item.com))
         core.add_shape(body, index, -1, -1, *collider.arrays)
         if cut is not None:
             core.set_slack(1e-3 * cut.outside_mm)
+        if soft:
+            set_soft_piece(core, item, number)
         table.name.append(index)
         table.part.append(-1)
 
 
 def _add_links(
-    core: Any, model: Any, articulated: Articulated, names: Names, table: ShapeTable
+    core: Any,
+    model: Any,
+    articulated: Articulated,
+    names: Names,
+    table: ShapeTable,
+    soft: bool,
 ) -> None:
     for i, link in enumerate(articulated.links):
         body = model.body(f"articulated/{articulated.name}/{i}").id
         index = names.index(articulated.link_names[i])
         for geom in () if link.fixed else link.geoms:
             core.add_shape(body, index, -1, -1, *geom.collider().arrays)
+            if soft:
+                set_link_samples(core, geom)
             table.name.append(index)
             table.part.append(-1)
 
@@ -116,7 +135,7 @@ def _add_links(
 def _add_static(core: Any, static: Static, index: int) -> None:
     rotation = rot.to_matrix(static.quaternion)
     position = np.asarray(static.position, dtype=np.float64)
-    shape = static.shape
+    shape = static.frame
     if isinstance(shape, Plane):
         normal = rotation @ np.asarray(shape.normal, dtype=np.float64)
         core.add_half_space(index, normal, shape.offset + float(normal @ position))

@@ -38,6 +38,6 @@ def world_triangles(
     static: Static, rotation: Array, position: Array
 ) -> tuple[Array, NDArray[np.int32]]:
     """Vertices (V, 3) [m] in the world and faces (F, 3) of a static mesh, for the core."""
-    mesh = cast("Mesh", static.shape)
+    mesh = cast("Mesh", static.frame)
     vertices = np.ascontiguousarray(mesh.vertices @ rotation.T + position)
     return vertices, np.ascontiguousarray(mesh.faces, dtype=np.int32)

@@ -1,0 +1,130 @@
+"""Samples of the skin: vertices with areas, by which a person presses on what is soft.
+
+Every vertex of the skin gives its share of the triangles around it to the nearest sample of its part
+that faces the same way: areas sum to the skin's area at rest, part by part.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES, N_JOINTS
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+#: Samples of one part are no nearer to each other [m]: a seat of 0.12 m^2 has some 300 of them.
+PITCH = 0.016
+#: Of hands and feet: a sole has some 100, a fingertip a few.
+FINE = 0.008
+
+_known: WeakKeyDictionary[Body, SkinSamples] = WeakKeyDictionary()
+
+
+@dataclass(frozen=True, eq=False)
+class SkinSamples:
+    """Samples of the skin, ordered by part.
+
+    Attributes:
+        vertex: Indices into the skin (n,).
+        area: At rest (n,) [m^2].
+        normal: Unit, outward, at rest (n, 3), rest frame.
+        part: Index into `JOINT_NAMES` of each (n,).
+    """
+
+    vertex: Ints
+    area: Array
+    normal: Array
+    part: Ints
+
+    def __len__(self) -> int:
+        return len(self.vertex)
+
+
+def skin_samples(body: Body) -> SkinSamples:
+    """The samples of a body; made once per body."""
+    if body not in _known:
+        _known[body] = _made(body)
+    return _known[body]
+
+
+def vertex_areas(vertices: Array, faces: NDArray[np.int32]) -> tuple[Array, Array]:
+    """A third of the triangles around each vertex (V,) [m^2], and their area vectors (V, 3)."""
+    a, b, c = np.moveaxis(vertices[faces], 1, 0)
+    across = np.cross(b - a, c - a) / 6.0
+    area = np.linalg.norm(across, axis=1)
+    total, way = np.zeros(len(vertices)), np.zeros_like(vertices)
+    for corner in faces.T:
+        total += np.bincount(corner, area, len(vertices))
+        for k in range(3):
+            way[:, k] += np.bincount(corner, across[:, k], len(vertices))
+    return total, way
+
+
+def _pitches() -> Array:
+    """Pitch of every part (55,) [m]."""
+    fine = [n for n in JOINT_NAMES if n.endswith(("wrist", "ankle", "foot")) or n[-1] in "123"]
+    fine = [n for n in fine if "spine" not in n]
+    result = np.full(N_JOINTS, PITCH)
+    result[[JOINT_INDEX[n] for n in fine]] = FINE
+    return result
+
+
+def _made(body: Body) -> SkinSamples:
+    from scipy.spatial import cKDTree
+
+    rest = body.rest_vertices
+    area, way = vertex_areas(rest, body.faces)
+    unit = way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-300)
+    part = body.weights.argmax(axis=1)
+    # What can touch: the vertices that the hulls of the skin have.
+    able = np.zeros(len(rest), dtype=bool)
+    able[body.skin_corners.vertex] = True
+    pitch = _pitches()
+    chosen_of = np.zeros(len(rest), dtype=np.int64)
+    for k in np.unique(part):
+        own = np.flatnonzero((part == k) & (area > 0.0))
+        some = own[able[own]]
+        if not len(own):
+            continue
+        some = some if len(some) else own
+        # Six more coordinates keep the two sides of something thin apart.
+        where = np.concatenate([rest, 2.0 * pitch[k] * unit], axis=1)
+        some = some[_apart(where[some], pitch[k])]
+        chosen_of[own] = some[cKDTree(where[some]).query(where[own])[1]]
+    used = np.flatnonzero(area > 0.0)
+    vertex, group = np.unique(chosen_of[used], return_inverse=True)
+    total = np.bincount(group, area[used], len(vertex))
+    normal = np.stack([np.bincount(group, way[used, k], len(vertex)) for k in range(3)], axis=1)
+    short = np.linalg.norm(normal, axis=1) < 1e-3 * total
+    normal[short] = unit[vertex[short]]
+    order = np.lexsort((vertex, part[vertex]))
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    return SkinSamples(
+        vertex[order].astype(np.int32),
+        total[order],
+        normal[order],
+        part[vertex[order]].astype(np.int32),
+    )
+
+
+def _apart(points: Array, pitch: float) -> NDArray[np.int64]:
+    """Indices of points (n, d), in their order, none within `pitch` of one before it."""
+    from scipy.spatial import cKDTree
+
+    near = cKDTree(points).query_ball_point(points, pitch)
+    free = np.ones(len(points), dtype=bool)
+    kept = []
+    for i in range(len(points)):
+        if free[i]:
+            kept.append(i)
+            free[near[i]] = False
+    return np.array(kept, dtype=np.int64)

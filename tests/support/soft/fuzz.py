@@ -152,13 +152,17 @@ def things(rng, scene, around):
             rng, ("box", "sphere", "capsule", "cylinder", "hull"), (0.03, 0.4)
         )
         soft = rng.random() < 0.4 and MOST_SHARE * least > THICKNESS[0]
+        place = around + rng.uniform(-0.8, 0.8, size=3) + [0.0, 0.0, 0.5]
+        # Most are thrown at what stands there.
         direction = rng.normal(size=3) - [0.0, 0.0, 0.7]
+        if rng.random() < 0.7:
+            direction = around + 0.3 * rng.normal(size=3) - place
         scene.add_object(
             f"thing{i}",
             shape,
             mass=between(rng, MASSES),
             friction=float(rng.choice([0.0, 0.5, 1.0])),
-            position=around + rng.uniform(-0.8, 0.8, size=3) + [0.0, 0.0, 0.5],
+            position=place,
             quaternion=rng.normal(size=4),
             velocity=rng.uniform(0.0, FASTEST) * direction / np.linalg.norm(direction),
             angular_velocity=rng.normal(size=3) * 5.0,
@@ -188,7 +192,7 @@ def settings_of(rng, substeps, people):
         changes = {
             "stiffness": float(rng.choice([0.0, 1.0, 10.0])),
             "drive_time": drive,
-            "soft_skin": bool(rng.random() < 0.3),
+            **({"soft_skin": True} if rng.random() < 0.3 else {}),
             **(AS_IT_IS if drive is None or rng.random() < 0.5 else {}),
         }
     return Settings(substeps=substeps, record="substeps", **changes)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -101,6 +101,13 @@ class SoftSkin:
         check = FieldChecks(self)
         check.number("damping_time", least=0.0, most=1.0, why=" [s]")
 
+    @property
+    def document(self) -> dict[str, Any]:
+        """The fields that differ from the usual, as plain data, for files."""
+        given = {"thickness": self.thickness, "modulus": self.modulus}
+        found: dict[str, Any] = {k: dict(v) for k, v in given.items() if v is not None}
+        return found | {"damping_time": self.damping_time}
+
     def by_part(self) -> tuple[Array, Array]:
         """Thickness (55,) [m] and modulus (55,) [Pa] of every part."""
         return _resolved(THICKNESS, self.thickness), _resolved(MODULUS, self.modulus)
@@ -163,5 +170,3 @@ def soft_core(body: Body, skin: SoftSkin) -> Inset:
         vertices[hard], thickness[hard] = body.rest_vertices[hard], 0.0
         known[key] = Inset(vertices, thickness)
     return known[key]
-
-

@@ -41,7 +41,9 @@ class SurfaceSamples:
 
     def moved(self, rotation: Array, position: Array) -> SurfaceSamples:
         """The same samples under a rotation (3, 3) and a shift (3,)."""
-        return SurfaceSamples(self.points @ rotation.T + position, self.normals @ rotation.T, self.areas)
+        return SurfaceSamples(
+            self.points @ rotation.T + position, self.normals @ rotation.T, self.areas
+        )
 
 
 def joined(samples: list[SurfaceSamples]) -> SurfaceSamples:

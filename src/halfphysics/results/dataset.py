@@ -1,6 +1,7 @@
 """A result as a labelled dataset of xarray: every array with named axes and units.
 
-Dimensions: time, person, joint, object, contact, inside, breach, and of vectors xyz, of quaternions
+Dimensions: time, person, joint, object, contact, inside, breach, pressed (samples under pressure,
+where something is soft), and of vectors xyz, of quaternions
 wxyz; substep where they were recorded, vertex where it is asked for. Rotations are axis-angle [rad]
 as in `Motion.rotations`. Nothing is lost: numbers are those of the result, indices are names.
 """
@@ -56,6 +57,8 @@ def to_dataset(result: Result, *, joints: bool, vertices: bool) -> Any:
     tables = {"contact": result.contacts, "inside": result.inside, "breach": result.breaches}
     for dimension, table in tables.items():
         data |= _rows(table, naming, dimension)
+    if result.soft_contacts is not None:
+        data |= _rows(result.soft_contacts, naming, "pressed")
     if result.substeps is not None:
         data |= _motions(result.substeps.motions, "substep_", "substep")
         data |= _objects(result.substeps.objects, "substep_", "substep")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 #: Columns of tables that are indices into `JOINT_NAMES`, and into `Result.names`; -1: none.
-JOINT_COLUMNS, NAME_COLUMNS = ("part", "other_part"), ("other", "subject")
+JOINT_COLUMNS, NAME_COLUMNS = ("part", "other_part"), ("other", "subject", "layer")
 
 
 @dataclass(frozen=True)

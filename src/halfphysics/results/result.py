@@ -29,6 +29,7 @@ from halfphysics.results.deferred import Deferred, typed, typed_or_deferred
 from halfphysics.results.held import HeldReport, held
 from halfphysics.results.inside import Breaches, Inside
 from halfphysics.results.naming import Naming
+from halfphysics.results.soft_contacts import SoftContacts
 from halfphysics.results.substeps import Substeps
 from halfphysics.results.surroundings import Surroundings
 from halfphysics.settings import Settings
@@ -204,6 +205,7 @@ class Result(InNotebook, ReadOnly):
             depths; empty if there was none at the start.
         breaches: Overlaps of bodies that were clear before, found by a check of every committed
             pose: empty unless the promise that they stay clear was broken.
+        soft_contacts: The pressures on what is soft; None where nothing is.
 
     Raises:
         InputError: Inconsistent parts, or parts of a wrong type.
@@ -222,6 +224,7 @@ class Result(InNotebook, ReadOnly):
     inside: Inside = field(default_factory=Inside.none)
     breaches: Breaches = field(default_factory=Breaches.none)
     joints: Mapping[str, Array] = field(default_factory=dict)
+    soft_contacts: SoftContacts | None = None
 
     def __post_init__(self) -> None:
         from halfphysics.scene.scene import Scene
@@ -234,6 +237,8 @@ class Result(InNotebook, ReadOnly):
         typed("inside", self.inside, Inside)
         typed("breaches", self.breaches, Breaches)
         typed("settings", self.settings, Settings)
+        if self.soft_contacts is not None:
+            typed("soft_contacts", self.soft_contacts, SoftContacts)
         _set(self, "names", tuple(self.names))
         _set(self, "objects", FrozenMapping(dict(self.objects)))
         if not self.people:
@@ -251,13 +256,14 @@ class Result(InNotebook, ReadOnly):
             "other": (0, len(self.names)),
             "subject": (-1, len(self.names)),
             "other_part": (-1, N_JOINTS),
+            "layer": (0, len(self.names)),
+            "vertex": (-1, 2**31),
         }
-        self.contacts.check_within(limits)
-        self.inside.check_within(limits)
-        self.breaches.check_within(limits)
         naming = Naming(self.names, len(self.people), self.fps)
-        for name in ("contacts", "inside", "breaches"):
-            _set(self, name, getattr(self, name).named(naming))
+        for name in ("contacts", "inside", "breaches", "soft_contacts"):
+            if (table := getattr(self, name)) is not None:
+                table.check_within(limits)
+                _set(self, name, table.named(naming))
         _set(self, "people", tuple(self._settled(index) for index in range(len(self.people))))
 
     def _settled(self, index: int) -> PersonResult:

@@ -205,9 +205,7 @@ def split_edges(
         faces = _divided(faces, number[which.reshape(-1, 3)], own)
 
 
-def _divided(
-    faces: NDArray[np.int32], new: NDArray[np.int64], length: Array
-) -> NDArray[np.int32]:
+def _divided(faces: NDArray[np.int32], new: NDArray[np.int64], length: Array) -> NDArray[np.int32]:
     """Triangles with a new vertex on some of their edges (f, 3; -1: none), the longest cut first."""
     made = []
     for face, middle, size in zip(faces.tolist(), new.tolist(), length.tolist(), strict=True):

@@ -15,8 +15,10 @@ from halfphysics.motion.pose import Pose
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.results.inside import Depths
 from halfphysics.simulation.core_rows import ContactRows, contact_rows, inside_rows
+from halfphysics.simulation.soft_rows import soft_rows
 
 if TYPE_CHECKING:
+    from halfphysics.results.soft_contacts import SoftContacts
     from halfphysics.simulation.holding import Hold
     from halfphysics.simulation.world import World
 
@@ -56,6 +58,7 @@ class Frame:
     _contacts: Array
     _inside: Array
     _torques: Array
+    _soft: Array | None = None
 
     @cached_property
     def poses(self) -> tuple[Pose, ...]:
@@ -79,6 +82,13 @@ class Frame:
     @cached_property
     def inside(self) -> Depths:
         return inside_rows(self._world, self._inside, np.zeros(len(self._inside), dtype=int)).at(0)
+
+    @cached_property
+    def soft_contacts(self) -> SoftContacts | None:
+        """Samples under pressure, all of frame 0; None: nothing in the world is soft."""
+        if self._soft is None:
+            return None
+        return soft_rows(self._world, self._soft, np.zeros(len(self._soft), dtype=np.int64))
 
     @cached_property
     def torques(self) -> tuple[Array, ...]:
@@ -106,6 +116,7 @@ class Frame:
             "contacts": self.contacts,
             "inside": self.inside,
             "torques": self.torques,
+            "soft_contacts": self.soft_contacts,
         }
         return done | {name: v for name, v in vars(self).items() if not name.startswith("_")}
 

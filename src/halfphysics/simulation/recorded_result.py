@@ -17,6 +17,7 @@ from halfphysics.results.result import (
 )
 from halfphysics.results.substeps import Substeps, at_substeps
 from halfphysics.simulation.core_rows import breach_rows, contact_rows, inside_rows
+from halfphysics.simulation.soft_rows import soft_rows
 
 if TYPE_CHECKING:
     from halfphysics.motion.motion import Motion
@@ -56,6 +57,7 @@ def recorded_result(world: World, motions: Sequence[Motion], run: Recording) -> 
         diagnostics=dict(zip(DIAGNOSTICS, run.diagnostics.T, strict=True)),
         inside=inside_rows(world, run.inside.rows, run.inside.frame),
         breaches=breach_rows(world, run.breaches.rows, run.breaches.frame),
+        soft_contacts=soft_rows(world, run.soft.rows, run.soft.frame),
     )
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.results.result import DIAGNOSTICS
+from halfphysics.simulation.soft_rows import COLUMNS
 
 if TYPE_CHECKING:
     from halfphysics.motion.motion import Motion
@@ -47,6 +48,7 @@ class Recording:
         corrected: Whether the people's targets were corrected by weight (T, people).
         contacts, inside: Rows of contacts (n, 12) and of overlaps (n, 4), see `core_rows`.
         breaches: Rows of overlaps that should not be (n, 4).
+        soft: Rows of samples under pressure (n, 13), see `soft_rows`.
     """
 
     dt: float
@@ -61,6 +63,7 @@ class Recording:
     contacts: Rows
     inside: Rows
     breaches: Rows
+    soft: Rows
 
 
 def record(
@@ -121,7 +124,7 @@ class Recorder:
         self._substeps: list[Array] = []
         self._footing = np.zeros((count, len(world.people), 2))
         self._contacts, self._inside = _Collected(12), _Collected(4)
-        self._breaches = _Collected(4)
+        self._breaches, self._soft = _Collected(4), _Collected(COLUMNS)
 
     def start(self, qpos: Array, clearance: float, inside: Array) -> None:
         """The first frame: coordinates (nq,), clearance [m] and rows of overlaps (n, 4)."""
@@ -151,6 +154,7 @@ class Recorder:
         self._contacts.add(got["touches"], np.repeat(frames, got["touch_count"].astype(np.int64)))
         self._inside.add(got["inside"], np.repeat(frames, got["inside_count"].astype(np.int64)))
         self._breaches.add(got["breaches"], np.repeat(frames, got["breach_count"].astype(np.int64)))
+        self._soft.add(got["soft"], np.repeat(frames, got["soft_count"].astype(np.int64)))
         self.frames += count
         return count
 
@@ -170,6 +174,7 @@ class Recorder:
             contacts=self._contacts.rows(),
             inside=self._inside.rows(),
             breaches=self._breaches.rows(),
+            soft=self._soft.rows(),
         )
 
 

@@ -32,6 +32,7 @@ from halfphysics.simulation.argument_checks import (
 from halfphysics.simulation.build_world import build_world
 from halfphysics.simulation.compile_world import compiled_again
 from halfphysics.simulation.frame import Frame, State
+from halfphysics.simulation.soft_rows import rows_of
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -409,6 +410,7 @@ class Simulator(InNotebook):
             _contacts=stepper.touches(),
             _inside=stepper.inside(),
             _torques=stepper.torques() if moved else np.zeros((0, 3)),
+            _soft=rows_of(stepper) if self.world.soft else None,
         )
 
 

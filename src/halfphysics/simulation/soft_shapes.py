@@ -167,4 +167,3 @@ def _distance(piece: Shape, points: Array) -> Array:
     mesh = joined_pieces([piece])
     far = mesh.query.closest(points)[0]
     return np.where(mesh.query.inside(points), 0.0, far)
-

@@ -18,6 +18,7 @@ from halfphysics.simulation import coordinates
 from halfphysics.simulation.compiled_model import armature_of, compile_model
 from halfphysics.simulation.coordinates import FreeObject, Person
 from halfphysics.simulation.fingerprint import fingerprint
+from halfphysics.simulation.soft_shapes import anything_soft
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -94,6 +95,11 @@ class World:
         """A `mujoco.MjModel` of the same numbers, compiled when first asked for."""
         people, armature = self.called.people, armature_of(self.stiffness)
         return compile_model(self.bodies, people, self.made_of, self.held, armature)
+
+    @cached_property
+    def soft(self) -> bool:
+        """Whether something in it is soft: pressures are recorded."""
+        return anything_soft(self.made_of, self.settings)
 
     @cached_property
     def signature(self) -> str:

@@ -10,6 +10,7 @@ JOINT = "joint/"
 CONTACT = "contact/"
 INSIDE = "inside/"
 BREACHES = "breaches/"
+SOFT = "soft_contact/"
 #: After the prefix of a person: the records of the things that are held, by number of the hold.
 HOLD = "hold/"
 SUBSTEPS = "meta/substeps/"

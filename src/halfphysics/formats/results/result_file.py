@@ -32,6 +32,7 @@ from halfphysics.formats.results.keys import (
     INSIDE,
     JOINT,
     OBJECT,
+    SOFT,
     SUBSTEPS,
     VERSION,
     VERSION_KEY,
@@ -44,6 +45,7 @@ from halfphysics.results.contacts import Contacts
 from halfphysics.results.inside import Breaches, Inside
 from halfphysics.results.records import BodyRecord, SceneRecord, checked_document
 from halfphysics.results.result import ObjectTrack, PersonResult, Result
+from halfphysics.results.soft_contacts import SoftContacts
 from halfphysics.results.substeps import Substeps, at_substeps
 from halfphysics.results.table import Table
 from halfphysics.settings import AS_IT_IS, Settings
@@ -193,7 +195,14 @@ def _read(npz: Npz, people_data: list[Any], scene: Scene | None, bodies: Any) ->
         joints={k.removeprefix(JOINT): _field(npz, k) for k in npz if k.startswith(JOINT)},
         inside=_rows(npz, INSIDE, Inside),
         breaches=_rows(npz, BREACHES, Breaches),
+        soft_contacts=_soft_contacts(npz),
     )
+
+
+def _soft_contacts(npz: Npz) -> SoftContacts | None:
+    """Pressures; None in files without, such as old ones."""
+    there = any(key.startswith(SOFT) for key in npz)
+    return _table(npz, SOFT, SoftContacts) if there else None
 
 
 def _rows(npz: Npz, prefix: str, of: type[T]) -> T:

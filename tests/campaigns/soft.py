@@ -61,7 +61,8 @@ def run(case: Case, judge: bool = True) -> dict:
         seconds.append(time.thread_time() - begin)
         energy.append(energy_of(simulator, scene))
         speeds.append(speed_of(simulator))
-        pressed += len(simulator.world.stepper.soft_contacts()["depth"]) > 0
+        rows = frames[-1].soft_contacts
+        pressed += rows is not None and len(rows.depth) > 0
     finite = all(bool(np.isfinite(f.substeps).all()) for f in frames)
     row = {
         "id": case.id,

@@ -65,7 +65,7 @@ def test_the_layer_carries_the_weight(at_rest, name):
     force = load(result.frames[-10:], result.simulator.dt)
     assert force[2] == pytest.approx(WEIGHT, rel=1e-3)
     np.testing.assert_allclose(force[:2], 0.0, atol=1e-3 * WEIGHT)
-    rows = pressures(result.simulator)
+    rows = pressures(result)
     assert rows.pressure @ rows.area == pytest.approx(WEIGHT, rel=1e-3)
 
 
@@ -74,7 +74,7 @@ def test_the_profile_of_the_pressure(at_rest, name):
     """At every sample k times its depth, which is how far its hard point is under the surface."""
     shape, _, _, stiffness, _ = THINGS[name]
     result = at_rest[name]
-    rows = pressures(result.simulator)
+    rows = pressures(result)
     most = rows.pressure.max()
     np.testing.assert_allclose(rows.pressure, stiffness * rows.depth, atol=0.01 * most)
     np.testing.assert_allclose(rows.depth, -rows.position[:, 2], atol=1e-5)
@@ -96,7 +96,7 @@ def test_the_profile_of_the_pressure(at_rest, name):
 
 def test_the_area_under_pressure(at_rest):
     """That of the footprint, as far as samples 2 cm apart can say it."""
-    area = {name: pressures(result.simulator).area.sum() for name, result in at_rest.items()}
+    area = {name: pressures(result).area.sum() for name, result in at_rest.items()}
     assert area["box"] == pytest.approx(0.16, rel=0.01)
     assert area["standing cylinder"] == pytest.approx(np.pi * 0.15**2, rel=0.02)
     depth = 0.15 - at_rest["ball"].height[-1]

@@ -21,8 +21,8 @@ def layer(foam, **more):
         foam.thickness,
         law="foam",
         densification=foam.densification,
-        arm=foam.arm,
-        relaxation=foam.relaxation,
+        hysteresis=foam.arm,
+        recovery=foam.relaxation,
         **more,
     )
 
@@ -87,7 +87,7 @@ def test_it_stiffens_towards_full_compression():
         result = dropped(foam, 0.0, 2.0, mass=mass, fps=30.0)
         depth = 0.05 - result.height[-1]
         assert AREA * foam.springs(depth) == pytest.approx(mass * 9.81, rel=0.01)
-        rows = pressures(result.simulator)
+        rows = pressures(result)
         np.testing.assert_allclose(rows.pressure, foam.springs(depth), rtol=0.01)
     assert depth < 0.095
 

@@ -125,7 +125,7 @@ class Pressed:
         return (self.pressure * self.area) @ self.normal
 
 
-def pressures(simulator):
-    """What the core says is pressed now."""
-    rows = simulator.world.stepper.soft_contacts()
-    return Pressed(**{name: np.array(rows[name]) for name in Pressed.__dataclass_fields__})
+def pressures(result):
+    """What is pressed in the last frame of a run."""
+    rows = result.frames[-1].soft_contacts
+    return Pressed(**{name: np.array(getattr(rows, name)) for name in Pressed.__dataclass_fields__})

@@ -1,7 +1,7 @@
 """Samples of the skin: vertices with areas, by which a person presses on what is soft.
 
-Every vertex of the skin gives its share of the triangles around it to the nearest sample of its part
-that faces the same way: areas sum to the skin's area at rest, part by part.
+Every vertex of the skin gives its share of the triangles around it to the nearest sample of its
+part that faces the same way: areas sum to the skin's area at rest, part by part.
 """
 
 from __future__ import annotations
@@ -102,8 +102,10 @@ def _made(body: Body) -> SkinSamples:
         chosen_of[own] = some[cKDTree(where[some]).query(where[own])[1]]
     used = np.flatnonzero(area > 0.0)
     vertex, group = np.unique(chosen_of[used], return_inverse=True)
-    total = np.bincount(group, area[used], len(vertex))
-    normal = np.stack([np.bincount(group, way[used, k], len(vertex)) for k in range(3)], axis=1)
+    total: Array = np.bincount(group, area[used], len(vertex)).astype(np.float64)
+    normal: Array = np.zeros((len(vertex), 3))
+    for k in range(3):
+        normal[:, k] = np.bincount(group, way[used, k], len(vertex))
     short = np.linalg.norm(normal, axis=1) < 1e-3 * total
     normal[short] = unit[vertex[short]]
     order = np.lexsort((vertex, part[vertex]))

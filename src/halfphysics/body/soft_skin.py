@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Thickness that gives way [m]. Buttock and thigh under a sitting person: some 20 mm of the 30 to 40
-#: mm of tissue (Sonenblum et al. 2013, J Tissue Viability 22: MRI of seated people). Heel pad 18 mm,
-#: of which a third gives way under the body's weight (De Clercq et al. 1994, J Biomech 27). Pulp of a
-#: fingertip 2 to 3 mm (Serina et al. 1997, J Biomech 30). Others: a layer of skin and fat.
+#: Thickness that gives way [m]. Buttock and thigh under a sitting person: some 20 mm of the 30 to
+#: 40 mm of tissue (Sonenblum et al. 2013, J Tissue Viability 22: MRI of seated people). Heel pad
+#: 18 mm, of which a third gives way under the body's weight (De Clercq et al. 1994, J Biomech 27).
+#: Pulp of a fingertip 2 to 3 mm (Serina et al. 1997, J Biomech 30). Others: skin and fat.
 THICKNESS: JointValues = JointValues(
     {
         "all": 0.006,
@@ -44,9 +44,9 @@ THICKNESS: JointValues = JointValues(
     }
 )
 #: Modulus: pressure per share of that thickness [Pa]. Gluteal fat 26 kPa and muscle 62 kPa (Isogai
-#: et al. 2022, J Phys Ther Sci 34); forearm and leg 10 to 90 kPa (Zheng, Mak and Lue 1999, J Rehabil
-#: Res Dev 36). A heel pad has 6 N/mm in the unloaded foot (Initial studies on load-displacement
-#: curves of heel pads: 6.0 +- 1.5), on some 4 cm^2: 75 kPa at 5 mm.
+#: et al. 2022, J Phys Ther Sci 34). Heel pads of an unloaded foot have 6.0 +- 1.5 N/mm ("Initial
+#: studies on the variations of load-displacement curves of in vivo human healthy heel pads"), on
+#: some 4 cm^2: 75 kPa at 5 mm. Others: between them; skin over bone more.
 MODULUS: JointValues = JointValues(
     {
         "all": 60e3,
@@ -60,8 +60,8 @@ MODULUS: JointValues = JointValues(
         "fingers": 100e3,
     }
 )
-#: Damping over stiffness, c/k [s]: heel pads lose a third to two thirds of the energy of an impact of
-#: some 20 ms (Aerts et al. 1995, J Biomech 28); the same order in other tissue.
+#: Damping over stiffness, c/k [s]: heel pads lose a third to two thirds of the energy of an impact
+#: of some 20 ms (Aerts et al. 1995, J Biomech 28); the same order in other tissue.
 DAMPING_TIME = 0.005
 #: Limits of what can be asked for: thickness [m] and modulus [Pa].
 MOST_THICKNESS, LEAST_MODULUS, MOST_MODULUS = 0.05, 1e3, 1e9
@@ -152,7 +152,7 @@ _known: WeakKeyDictionary[Body, dict[bytes, Inset]] = WeakKeyDictionary()
 def soft_core(body: Body, skin: SoftSkin) -> Inset:
     """The hard core of a body at rest: vertices (V, 3) [m], rest frame, thickness above (V,) [m].
 
-    The thickness of a vertex blends those of its parts, by its weights. Made once per body and skin.
+    The thickness of a vertex blends those of its parts, by its weights. Made once per body.
     """
     by_part = skin.by_part()[0]
     known = _known.setdefault(body, {})

@@ -11,6 +11,7 @@ import numpy as np
 
 from halfphysics import metrics
 from halfphysics.metrics.asked import asked_motion
+from halfphysics.results.layer_pressure import pressures
 
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
@@ -54,6 +55,8 @@ def of_result(result: Result, person: int) -> dict[str, Any]:
     out["path_offset"] = metrics.path_offset(result, person)
     out["contact_precision"] = metrics.contact_precision(result)
     out["contact_forces"] = metrics.contact_forces(result)
+    name = subject.name
+    out["soft_pressure"] = [its for its in pressures(result) if its.other == name]
     out["holds"] = [report for report in result.holds if report.person == subject.name]
     return {name: plain(value) for name, value in out.items()}
 

@@ -1,13 +1,14 @@
 """Samples of a surface: points with outward normals and areas, which stand for all of it.
 
-Areas sum to the surface's own area (of a sphere, capsule and cylinder the true one), and on flat and
-on round faces the samples have their second moments too: where pressure is linear over a face, sums
-over samples are its integrals.
+Areas sum to the surface's own area (of a sphere, capsule and cylinder the true one), and on flat
+and on round faces the samples have their second moments too: where pressure is linear over a face,
+sums over samples are its integrals.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +19,8 @@ from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Sphere
 
 #: Samples lie this far apart at most, and at least [m].
 WIDEST, FINEST = 0.02, 0.002
-#: How many of them go along the least extent of a round shape, and of another: 16 let a ball sink as
-#: it should to 1 %; flat faces are exact with any number.
+#: How many of them go along the least extent of a round shape, and of another: 16 let a ball sink
+#: as it should to 1 %; flat faces are exact with any number.
 ROUND, FLAT = 16, 8
 #: Most samples of one shape; then they are farther apart.
 MOST = 20_000
@@ -145,7 +146,7 @@ def _disc(radius: float, z: float, side: float, pitch: float) -> SurfaceSamples:
     rings = max(2, int(np.ceil(radius / pitch - 1e-9)))
     edge = radius * np.arange(rings + 1) / rings
     points, areas = [], []
-    for i, (inner, outer) in enumerate(zip(edge[:-1], edge[1:], strict=True)):
+    for i, (inner, outer) in enumerate(pairwise(edge)):
         middle = np.sqrt(0.5 * (inner**2 + outer**2))
         count = 4 * max(1, round(0.5 * np.pi * middle / pitch))
         points.append(middle * _around(count, 0.5 * (i % 2)))
@@ -161,7 +162,7 @@ def _half_sphere(radius: float, z: float, side: float, pitch: float) -> SurfaceS
     bands = max(2, int(np.ceil(0.5 * np.pi * radius / pitch - 1e-9)))
     edge = np.sin(0.5 * np.pi * np.arange(bands + 1) / bands)
     normals, areas = [], []
-    for i, (low, high) in enumerate(zip(edge[:-1], edge[1:], strict=True)):
+    for i, (low, high) in enumerate(pairwise(edge)):
         # The second moment along z: mean of z^2 over the band.
         height = np.sqrt((low**2 + low * high + high**2) / 3.0)
         across = np.sqrt(1.0 - height**2)
@@ -270,10 +271,9 @@ def _merged(points: Array, normals: Array, areas: Array, pitch: float) -> Surfac
     sign = np.sign(normals[rows, axis])
     cell = np.floor(points / pitch).astype(np.int64)
     keys = np.column_stack([axis, sign.astype(np.int64), cell])
-    _, group = np.unique(keys, axis=0, return_inverse=True)
-    group = group.reshape(-1)
+    group = np.unique(keys, axis=0, return_inverse=True)[1].reshape(-1)
     count = int(group.max()) + 1
-    total = np.bincount(group, areas, count)
+    total: Array = np.bincount(group, areas, count).astype(np.float64)
     place, way = np.empty((count, 3)), np.empty((count, 3))
     for k in range(3):
         place[:, k] = np.bincount(group, areas * points[:, k], count) / total

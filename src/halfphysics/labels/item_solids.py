@@ -127,7 +127,10 @@ def item_solids(scene: Scene, tracks: Mapping[str, ObjectTrack]) -> tuple[ItemSo
         turn = rot.to_matrix(static.quaternion)
         found.append((name, name, (solid,), static.position[None], turn[None], True))
     for name, item in scene.objects.items():
-        pieces = tuple(Solid(piece, np.zeros(3), np.eye(3)) for piece in item.pieces)
+        # What is touched of a soft object is its surface, not the pieces of its frame.
+        shapes = item.pieces if item.soft is None else (item.true_shape,)
+        whole = item.soft is not None and item.decomposition is not None
+        pieces = tuple(Solid(piece, np.zeros(3), np.eye(3), whole) for piece in shapes)
         found.append((name, name, pieces, *_poses(tracks[name]), False))
     for whole in scene.articulated.values():
         for name, link in zip(whole.link_names, whole.links, strict=True):

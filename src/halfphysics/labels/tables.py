@@ -23,6 +23,7 @@ from halfphysics.motion.skeleton import JOINT_INDEX, LEFT_HAND_JOINTS, RIGHT_HAN
 
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
+    from halfphysics.results.soft_contacts import SoftContacts
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -204,6 +205,8 @@ class ContactLabels:
             }
             found |= {key if i == 0 else f"{owner.name}/{key}": mine[key] for key in mine}
         found |= {f"contacts/{key}": value for key, value in self.contacts.arrays().items()}
+        if (soft := self.result.soft_contacts) is not None:
+            found |= {f"soft/{key}": value for key, value in _small(soft).items()}
         return found
 
     def check(self, person: int, item: int) -> None:
@@ -240,6 +243,16 @@ class ContactLabels:
     @cached_property
     def _found(self) -> dict[tuple[float, bool], list[list[tuple[Near, Near]]]]:
         return {}
+
+
+def _small(soft: SoftContacts) -> dict[str, NDArray[Any]]:
+    """Columns in small types: whole numbers in 8 to 32 bits, the rest float32."""
+    kinds: dict[str, Any] = {"frame": np.int32, "layer": np.int16, "other": np.int16}
+    kinds |= {"part": np.int8, "vertex": np.int32}
+    return {
+        name: np.asarray(getattr(soft, name), kinds.get(name, np.float32))
+        for name in soft.columns()
+    }
 
 
 def _key(key: str, name: str, index: int) -> str:

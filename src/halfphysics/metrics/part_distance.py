@@ -182,7 +182,7 @@ class Poses:
 
 def _placed(static: Static) -> Solid:
     """A static in the world."""
-    turn, shape = rot.to_matrix(static.quaternion), static.shape
+    turn, shape = rot.to_matrix(static.quaternion), static.frame
     if isinstance(shape, Plane):
         normal = turn @ np.asarray(shape.normal)
         return normal, float(shape.offset + normal @ static.position)

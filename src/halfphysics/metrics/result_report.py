@@ -14,6 +14,7 @@ from halfphysics.metrics.standing import standing
 from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.results.contacts import Contacts
 from halfphysics.results.hold_lines import hold_lines
+from halfphysics.results.layer_pressure import carried_share, pressures
 from halfphysics.results.result import SETTLE
 
 if TYPE_CHECKING:
@@ -41,9 +42,13 @@ def summary(result: Result, *, brief: bool = False) -> str:
             *hold_lines(result, index),
             *([] if brief else standing(result, index)),
             *_touches(result, index),
+            *_pressed(result, person.name, index),
             *_inside(result, result.inside[result.inside.person == index]),
         ]
         lines += [f"{person.name}:", *(f"  {line}" for line in block)]
+    people = {person.name for person in result.people}
+    for other in dict.fromkeys(p.other for p in pressures(result) if p.other not in people):
+        lines += [f"{other}: {line}" for line in _pressed(result, other)]
     lines += [*_objects(result), *_inside(result, result.inside[result.inside.person < 0])]
     lines += [*_breaches(result), *_nearest(result), _cost(result)]
     return "\n".join(lines)
@@ -129,6 +134,34 @@ def _touches(result: Result, index: int) -> list[str]:
         rest = [result.names[other] for other in touched[_LISTED:]]
         lines.append(f"touched {_some(rest, _LISTED)} too, less hard")
     return lines
+
+
+def _pressed(result: Result, name: str, person: int | None = None) -> list[str]:
+    """The soft things that a person or object pressed in, the hardest pressed first."""
+    found = [p for p in pressures(result) if p.other == name]
+    lines = []
+    for its in sorted(found, key=lambda p: -p.peak.max())[:_LISTED]:
+        frame = int(its.peak.argmax())
+        frames = np.flatnonzero(its.peak)
+        lines.append(
+            f"pressed on {its.layer} in {_span(result, frames)}: peak "
+            f"{_kilopascals(its.peak[frame])} in frame {frame}, there "
+            f"{_kilopascals(its.mean[frame])} mean on {1e4 * its.area[frame]:.0f} cm²"
+        )
+    if found and person is not None:
+        try:
+            share = carried_share(result, person)
+        except HalfPhysicsError:  # the body is missing: its mass is not known
+            return lines
+        lines.append(
+            f"soft things carried {100.0 * share.max():.0f} % of the weight at most, "
+            f"{100.0 * share[-1]:.0f} % at the end"
+        )
+    return lines
+
+
+def _kilopascals(pressure: float | np.floating) -> str:
+    return f"{1e-3 * pressure:.3g} kPa"
 
 
 def _parts(contacts: Contacts) -> str:

@@ -69,11 +69,13 @@ def tracks_of(
 def solids_of(scene: Scene, tracks: Mapping[str, tuple[Array, Array]]) -> dict[str, list[Solid]]:
     """Solids that a person can penetrate, by name; a link has one solid per geom.
 
+    Of what is soft, the hard frame.
+
     The statics, and the objects and links with a track, except those that people ignore.
     """
     links = links_of(scene)
     found: dict[str, list[Solid]] = {
-        name: [(static.shape, static.position[None], static.quaternion[None])]
+        name: [(static.frame, static.position[None], static.quaternion[None])]
         for name, static in scene.statics.items()
         if not scene.ignores(name, PERSON)
     }
@@ -82,7 +84,9 @@ def solids_of(scene: Scene, tracks: Mapping[str, tuple[Array, Array]]) -> dict[s
         if scene.ignores(whole, PERSON):
             continue
         if link is None:
-            found[name] = [(scene.objects[name].true_shape, position, turn)]
+            item = scene.objects[name]
+            shape = item.true_shape if item.soft is None else item.frame
+            found[name] = [(shape, position, turn)]
             continue
         found[name] = []
         for geom in link.geoms:

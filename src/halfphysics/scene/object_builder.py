@@ -167,8 +167,8 @@ def _solid(
         return _Solid(given, solid, source, cut, decomposition, layer)
     if own is not None:
         raise InputError(
-            f"{what}: found pieces= and soft=; the pieces of a soft mesh are those of the hard frame "
-            "inside, which is made from it. Leave pieces= out"
+            f"{what}: found pieces= and soft=; the pieces of a soft mesh are those of the hard "
+            "frame inside, which is made from it. Leave pieces= out"
         )
     if not given.closed:
         raise InputError(

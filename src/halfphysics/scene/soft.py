@@ -1,8 +1,9 @@
 """Soft: a compliant layer on a shape, over a hard frame that nothing enters.
 
-A layer is a foundation of independent springs (Winkler): where it is pressed in by d [m], it presses
-back with p = k d + c d' >= 0 [Pa]. The shape that a user gives is the visible, unloaded surface; the
-hard frame lies `thickness` below it (`halfphysics.scene.soft_frame`). docs/soft.md has the laws.
+A layer is a foundation of independent springs (Winkler): where it is pressed in by d [m], it
+presses back with p = k d + c d' >= 0 [Pa]. The shape that a user gives is the visible, unloaded
+surface; the hard frame lies `thickness` below it (`halfphysics.scene.soft_frame`). docs/soft.md has
+the laws.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from halfphysics.scene.soft_materials import MATERIALS
 
 #: Damping time c/k where none is given [s]: a loss factor of 0.13 at 2 Hz, as seat foam has.
 DAMPING_TIME = 0.01
-#: Thinnest layer [m]: twice the default `Settings.clearance`, within which hard things already meet.
+#: Thinnest layer [m]: twice the default `Settings.clearance`, at which hard things already meet.
 LEAST_THICKNESS = 0.002
 #: Thickest layer [m]: a landing pit of foam.
 MOST_THICKNESS = 2.0

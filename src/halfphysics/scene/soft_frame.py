@@ -1,8 +1,8 @@
 """The hard frame under a soft layer: the shape that nothing enters.
 
-The shape that a user gives is the surface, unloaded. Of a box, sphere, capsule or cylinder the frame
-is the same kind, smaller by the thickness on all sides; of a plane it is lower; of a mesh every
-vertex moves inward (`halfphysics.geometry.inset`), less where the mesh is thin.
+The shape that a user gives is the surface, unloaded. Of a box, sphere, capsule or cylinder the
+frame is the same kind, smaller by the thickness on all sides; of a plane it is lower; of a mesh
+every vertex moves inward (`halfphysics.geometry.inset`), less where the mesh is thin.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class SoftFrame:
 
     @property
     def _on_frame(self) -> Array:
-        """Thickness at the frame's own vertices, of which there may be fewer: equal ones are one."""
+        """Thickness at the frame's own vertices: fewer, as equal ones are one."""
         vertices = self.frame.triangles()[0]
         order = np.lexsort(self.inner.T[::-1])
         found: dict[tuple[float, ...], float] = {}
@@ -206,7 +206,7 @@ def split_edges(
 
 
 def _divided(faces: NDArray[np.int32], new: NDArray[np.int64], length: Array) -> NDArray[np.int32]:
-    """Triangles with a new vertex on some of their edges (f, 3; -1: none), the longest cut first."""
+    """Triangles with new vertices on some edges (f, 3; -1: none), the longest cut first."""
     made = []
     for face, middle, size in zip(faces.tolist(), new.tolist(), length.tolist(), strict=True):
         made += _cut(face, middle, size)

@@ -28,7 +28,8 @@ class SoftMaterial:
     """A foam.
 
     Attributes:
-        modulus: Pressure per share of the thickness, small and slow [Pa]: stiffness times thickness.
+        modulus: Pressure per share of the thickness, of slow small depths [Pa]: stiffness times
+            thickness.
         thickness: Usual thickness of its layer [m].
         damping_time: Damping over stiffness, c/k [s].
         hysteresis: Stiffness that slackens under load, as a share of the one that stays.

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from halfphysics.body.body import Body
     from halfphysics.geometry.shapes import Shape
     from halfphysics.scene.scene import Scene
+    from halfphysics.scene.soft import Soft
 
 
 def fingerprint(bodies: Sequence[Body], scene: Scene) -> str:
@@ -37,13 +38,19 @@ def fingerprint(bodies: Sequence[Body], scene: Scene) -> str:
         elif is_dataclass(shape):
             add(*(np.asarray(getattr(shape, f.name), dtype=float) for f in fields(shape)))
 
+    def add_soft(soft: Soft | None) -> None:
+        if soft is not None:
+            add(*map(str, soft.document.values()))
+
     for static in scene.statics.values():
         add(static.name, static.position, static.quaternion)
         add_shape(static.shape)
+        add_soft(static.soft)
     for item in scene.objects.values():
         add(item.name, item.com, item.inertia, np.float64(item.mass))
         for piece in item.pieces:
             add_shape(piece)
+        add_soft(item.soft)
         if isinstance(item, KinematicObject):
             add(item.positions, item.quaternions, np.float64(item.fps), np.float64(item.loop))
         elif item.start == "asleep":

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Columns of the core's rows: layer's static, layer's shape, shape, sample, position, normal, depth,
-#: pressure, area.
+#: Columns of the core's rows: layer's static, layer's shape, shape, sample, position, normal,
+#: depth, pressure, area.
 COLUMNS = 13
 
 

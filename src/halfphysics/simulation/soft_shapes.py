@@ -32,14 +32,14 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Samples of a piece that are this near to or inside another piece of one object are no surface [m].
+#: Samples of a piece that are inside another piece of the object, or so near, are no surface [m].
 INNER = 1e-3
 
 
 def anything_soft(scene: Scene, settings: Settings) -> bool:
     """Whether a world has a soft layer, or soft skin."""
-    items = (*scene.statics.values(), *scene.objects.values())
-    return any(item.soft is not None for item in items) or settings.soft_skin is not False
+    layers = [s.soft for s in scene.statics.values()] + [o.soft for o in scene.objects.values()]
+    return any(layer is not None for layer in layers) or settings.soft_skin is not False
 
 
 def skin_of(settings: Settings) -> SoftSkin | None:

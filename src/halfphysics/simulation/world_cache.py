@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from halfphysics.simulation.world import World
 
 #: Settings that a world is made for: what touches, what the drive can exert, and how far joints go.
-FIXED = ("contact", "self_contact", "weight", "blocked", "strength", "joint_limits")
+FIXED = ("contact", "self_contact", "weight", "blocked", "strength", "joint_limits", "soft_skin")
 
 
 def use_again(world: World, scene: Scene, settings: Settings) -> bool:
@@ -77,6 +77,7 @@ def _fits(world: World, scene: Scene, settings: Settings) -> bool:
 def _same_static(a: Static, b: Static) -> bool:
     return a is b or (
         a.shape == b.shape
+        and a.soft == b.soft
         and np.array_equal(a.position, b.position)
         and np.array_equal(a.quaternion, b.quaternion)
     )
@@ -87,6 +88,7 @@ def _same_shape(a: Object, b: Object) -> bool:
         return False
     return a is b or (
         a.shape == b.shape
+        and a.soft == b.soft
         and a.decomposition is b.decomposition
         and a.start == b.start
         and np.array_equal(a.com, b.com)

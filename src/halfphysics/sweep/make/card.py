@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
 from halfphysics.baselines import options_of
+from halfphysics.results.layer_pressure import pressures
 from halfphysics.sweep.make.provenance import versions
 from halfphysics.sweep.plan.plan import OF_SUPPORT
 
@@ -201,7 +202,18 @@ def _happened(result: Result, labels: Labelled, events: Events) -> dict[str, Any
         "held": plain(list(result.holds)),
         "objects": objects,
         "travel_max": max((its["travel"] or 0.0 for its in objects.values()), default=0.0),
+        **_pressed(result),
         "events": events.document(),
+    }
+
+
+def _pressed(result: Result) -> dict[str, float | None]:
+    """The part of a card about soft things: of the pair that is largest."""
+    found = pressures(result)
+    columns = {"pressure_max": "peak", "pressure_mean": "mean", "pressure_area": "area"}
+    return {
+        name: _number(max((getattr(its, column).max() for its in found), default=0.0))
+        for name, column in columns.items()
     }
 
 

@@ -16,6 +16,7 @@ from halfphysics.geometry.mesh import Mesh, MeshSource
 from halfphysics.geometry.shape_base import Shape
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Sphere
 from halfphysics.scene.items import Object, Static, fixed
+from halfphysics.scene.soft import Soft
 from halfphysics.scene.trajectories import KinematicObject
 
 Array = NDArray[np.float64]
@@ -43,6 +44,7 @@ def scaled_static(static: Static, factor: float) -> Static:
     return replace(
         static,
         shape=scaled_shape(static.shape, factor),
+        soft=_scaled_soft(static.soft, factor),
         source=_scaled_source(static.source, factor),
     )
 
@@ -75,6 +77,7 @@ def scaled_object(item: Object, factor: float) -> Object:
         visual=scaled(item.visual),
         source=_scaled_source(item.source, factor),
         decomposition=decomposition,
+        soft=_scaled_soft(item.soft, factor),
         cut=_scaled_cut(item.cut, factor),
     )
     if isinstance(item, KinematicObject):
@@ -82,6 +85,11 @@ def scaled_object(item: Object, factor: float) -> Object:
     even = np.array_equal(item.com, item.filling.centre)
     com = large.filling.centre if even else factor * item.com
     return weighing(replace(large, com=fixed(com)), item.mass)
+
+
+def _scaled_soft(soft: Soft | None, factor: float) -> Soft | None:
+    """A layer of the same foam, `factor` times as thick."""
+    return None if soft is None else soft.thinner(factor * soft.thickness)
 
 
 def weighing(item: Object, mass: float) -> Object:
@@ -92,6 +100,8 @@ def weighing(item: Object, mass: float) -> Object:
 def lowest(item: Static | Object) -> float:
     """Height of the lowest point of the collision shape above the origin [m]; a plane: -inf."""
     pieces = item.pieces if isinstance(item, Object) else (item.shape,)
+    if isinstance(item, Object) and item.soft is not None:
+        pieces = (item.true_shape,)  # its pieces are those of the frame
     up = rot.to_matrix(item.quaternion)[2]  # of its axes in the world
     return min(_lowest(shape, up) for shape in pieces)
 

@@ -59,7 +59,12 @@ OF_RESULT = (
     "slid",
     "drops",
     "travel_max",
+    "pressure_max",
+    "pressure_mean",
+    "pressure_area",
 )
+#: Those of them about soft things, 0 where nothing is.
+OF_SOFT = ("pressure_max", "pressure_mean", "pressure_area")
 #: Further names that `keep_after` may use with `Outputs.support`.
 OF_SUPPORT = ("unsupported_percent", "carried_max")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from halfphysics.sweep.plan.plan import OF_SUPPORT
+from halfphysics.sweep.plan.plan import OF_SOFT, OF_SUPPORT
 from halfphysics.sweep.store.counting import COUNTED
 
 #: A factor with more rows than the first number has neighbouring rows merged, if they are bins or
@@ -122,6 +122,8 @@ def _spreads(card: Mapping[str, Any]) -> Iterable[tuple[str, ...]]:
     for name, its in card["spreads"].items():
         if not its["number"] and name in OF_SUPPORT:
             continue  # the plan does not ask for it
+        if not its["most"] and name in OF_SOFT:
+            continue  # nothing is soft
         keys = ("least", "p1", "p50", "p99", "most", "mean")
         yield (
             f"{name} [{its['unit']}]",

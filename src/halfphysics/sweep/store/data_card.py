@@ -35,6 +35,9 @@ SPREADS = {
     "travel_max": "m",
     "unsupported_percent": "%",
     "carried_max": "weights",
+    "pressure_max": "Pa",
+    "pressure_mean": "Pa",
+    "pressure_area": "m2",
 }
 #: Integers of a sample's card that are summed; samples with a nonzero value are counted too.
 SUMMED = ("frames", "contacts", "holds", "lost_grasps", "slips", "drops", "started_inside")

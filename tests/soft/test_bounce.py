@@ -99,5 +99,7 @@ def test_energy_never_grows(damping, friction):
         result = run(scene, 1.5, fps=60)
         energy = energies(result, scene)
         assert np.isfinite(result.poses).all()
-        # Of the parabola of a fall, chords: a substep's fall is counted up to g h v.
-        assert energy.max() <= energy[0] + 0.01 * abs(energy[0] - energy.min()) + 1e-9
+        # Of the parabola of a fall, chords: a velocity may be g h off.
+        thing, fastest = scene.objects["thing"], np.abs(result.velocities[:, :3]).max()
+        chord = thing.mass * G * fastest / 480.0
+        assert energy.max() <= energy[0] + 0.01 * (energy[0] - energy.min()) + chord

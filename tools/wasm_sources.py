@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[1]
 NATIVE = ROOT / "src" / "native"
 #: Folders of src/native that are compiled; what in them only Python needs is left out.
 FOLDERS = (
-    "math", "dynamics", "geometry", "contact", "collision", "footing", "stepping",
+    "math", "dynamics", "geometry", "contact", "collision", "soft", "footing", "stepping",
     "stepping/baselines", "assembly", "compiled", "capi",
 )  # fmt: skip
 LEFT_OUT = {"geometry/skinning.cpp", "geometry/point_queries.cpp"}

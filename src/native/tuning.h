@@ -975,6 +975,37 @@ constexpr double kSameTime = 1e-9;
 
 // ---------------------------------------------------------------------------------------------
 
+namespace hp::tuning::soft {
+
+// Patches of one pair: of samples whose layers face the same way, by this cosine (45 degrees) from the one
+// that is pressed most. More: more rows to solve; fewer: moments are coarser where a shape wedges.
+constexpr int kMostPatches = 3;
+constexpr double kPatchNormal = 0.7;
+// A patch narrower than this about its middle is a line, or a point [m].
+constexpr double kPointSpread = 5e-4;
+// Beyond this sum of tilts a point of the patch would have to pull; 1 is where it carries nothing.
+constexpr double kMostTilt = 1;
+// Distances whose direction is rounding alone [m].
+constexpr double kNoDistance = 1e-9;
+// Depths spread by no less over a sample [m]: means are differences over it.
+constexpr double kLeastEdge = 1e-5;
+// A change of depth by less has the pressure of its middle [m].
+constexpr double kNoWay = 1e-6;
+// How far beyond what is asked a distance is measured, that it need not be soon again [m].
+constexpr double kRoomMargin = 0.2;
+// Solves of a step in which condensed pressures are looked at again, at most. What is then left is
+// accepted: the hard frames are kept all the same.
+constexpr int kMostPasses = 5;
+// What looking at a sample is taken to cost [multiplications, of 0.125 ns].
+constexpr double kSampleWork = 2e3;
+// The pressures at the end are those of the solve if the sums of force and moment differ by less than this
+// share, or by an impulse that small [N s].
+constexpr double kRightShare = 3e-4, kRightImpulse = 1e-7;
+
+}  // namespace hp::tuning::soft
+
+// ---------------------------------------------------------------------------------------------
+
 namespace hp::tuning::labels {
 
 // Distances of a skin's vertices to a thing are known this much farther than the reach that is asked

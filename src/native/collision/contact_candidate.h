@@ -71,6 +71,7 @@ struct ContactCandidate {
   // displacement (depenetration.h): `from` at the start of the substep and, where the step makes
   // `share` of it, that share of the way from there to `to` at its end.
   int overlap = -1;  // index into Depenetration::overlaps(); -1: an ordinary candidate
+  int soft = -1;     // a pair that presses a soft layer (stepping/soft_contacts.h); -1: a plane
   int island = 0;    // what it is settled with (stepping/islands.h)
   Vec3 from, to;
   double share = 1;

@@ -19,7 +19,7 @@ bool ContactPoints::recall(Poses& start, const std::vector<ContactCandidate>& ca
     double best = pair_of_key(w.key).other_static >= 0 ? tune::kCachedNormal : -2;
     for (size_t i = 0; i < candidates.size(); i++) {
       if (pair_key(candidates[i]) != w.key || !recalls(candidates[i]) ||
-          candidates[i].known != Known::Plane)
+          candidates[i].known != Known::Plane || candidates[i].soft >= 0)
         continue;
       const double alike = dot(w.normal, candidates[i].n);
       if (alike > best) best = alike, w.candidate = (int)i;

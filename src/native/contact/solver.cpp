@@ -64,6 +64,7 @@ void ContactSolver::join(const System& s, const Contact& c, int contact) {
   const size_t stride = problem_.A.stride();
   if (c.a.count == 0 && c.b.count == 0)
     for (int q = 1; q < 3; q++) problem_.A.block(n, n)[q * stride + q] += problem_.A.block(n, n)[0];
+  if (c.compliance > 0) problem_.A.block(n, n)[0] += c.compliance;
   const double warm[3] = {dot(c.n, c.impulse), dot(c.t, c.impulse), dot(c.s, c.impulse)};
   problem_.add(&demand_[3 * contact], warm, c.friction, c.pair);
 }
@@ -253,7 +254,9 @@ void ContactSolver::find_demands(const System& s, double h, const double* v_free
     const Contact& c = contacts[i];
     Vec3 u = endpoint_velocity(s.m, s.k, twists_, v_free, c.a) -
              endpoint_velocity(s.m, s.k, twists_, v_free, c.b);
-    demand_[3 * i] = dot(c.n, u) - std::max((c.target - c.dist + c.shift) / h, c.bounce);
+    demand_[3 * i] =
+        dot(c.n, u) -
+        (c.compliance > 0 ? c.yielding : std::max((c.target - c.dist + c.shift) / h, c.bounce));
     demand_[3 * i + 1] = dot(c.t, u + h * c.curve);
     demand_[3 * i + 2] = dot(c.s, u + h * c.curve);
   }

@@ -89,9 +89,13 @@ struct Contact {
   double friction = 0, restitution = 0;
   double bounce = -1e300;  // v_n demanded by restitution [m/s], second pass
   double rebound = 0;      // what of it is thrown back, not kept [m/s]
-  Vec3 impulse;            // world [N s], on a; the warm start on entry
-  int pair = 0;            // index of the candidate it came from
-  int64_t key = 0;         // identity from substep to substep
+  // Of a soft layer: the row is w_n + compliance p_n >= yielding instead, so that p_n = (yielding - w_n)/compliance
+  // where that pushes; 0: hard.
+  double compliance = 0;  // [1/kg]
+  double yielding = 0;    // [m/s]
+  Vec3 impulse;           // world [N s], on a; the warm start on entry
+  int pair = 0;           // index of the candidate it came from
+  int64_t key = 0;        // identity from substep to substep
   int feature = 0;
 };
 

@@ -246,6 +246,17 @@ class Tree {
     return best;
   }
 
+  // The shares of a triangle's corners in a point of it; equal ones where it has no area.
+  Vec shares(int triangle, Vec q) const {
+    const Triangle& t = triangles_[triangle];
+    const Vec normal = cross(t.b - t.a, t.c - t.a);
+    const double area2 = dot(normal, normal);
+    if (t.sliver || !(area2 > 0.0)) return {1.0 / 3, 1.0 / 3, 1.0 / 3};
+    const double b = std::clamp(dot(cross(q - t.a, t.c - t.a), normal) / area2, 0.0, 1.0);
+    const double c = std::clamp(dot(cross(t.b - t.a, q - t.a), normal) / area2, 0.0, 1.0 - b);
+    return {1.0 - b - c, b, c};
+  }
+
   int face(int triangle) const { return triangles_[triangle].face; }
   bool has_winding() const { return winding_; }
 

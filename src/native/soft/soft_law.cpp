@@ -23,6 +23,10 @@ double SoftLaw::energy(double d, double t) const {
   return d > 0 ? 0.5 * stiffness * d * d * (1 + densification * fourth(d, t) / 3) : 0;
 }
 
+double SoftLaw::energy_sum(double d, double t) const {
+  return d > 0 ? stiffness * d * d * d / 6 * (1 + densification * fourth(d, t) / 7) : 0;
+}
+
 SoftLaw in_series(const SoftLaw& a, const SoftLaw& b) {
   if (a.stiffness <= 0) return b;
   if (b.stiffness <= 0) return a;

@@ -30,6 +30,8 @@ struct SoftLaw {
   double pressure(double d, double t) const;
   double slope(double d, double t) const;
   double energy(double d, double t) const;
+  // The integral of the energy over the depth [J/m].
+  double energy_sum(double d, double t) const;
 };
 
 // Two layers one on the other; a stiffness of 0 is a hard one.

@@ -79,6 +79,7 @@ void ContactStep::find_candidates(double h) {
   attempt.valid = attempt.reach;
   world.narrow_phase.gather(system_.model, data_.state.pose, attempt.valid, h, attempt.candidates);
   if (data_.probe.blind > 0) attempt.candidates.clear();
+  data_.soft.gather(system_, data_);
   attempt.listed = attempt.candidates.size();
   attempt.hidden.clear();
   find_islands();
@@ -106,6 +107,8 @@ void ContactStep::settle(double h) {
   verification_.check_first(system_, data_, h);
   check_limits(system_, data_, h);
   ranges_.check(system_, data_, h);
+  data_.soft.choose_rules(system_, data_);
+  data_.soft.look(system_, data_, h);
   bool open = false;
   for (IslandProgress& p : data_.attempt.islands) {
     p.state = p.violated ? IslandProgress::State::Open : IslandProgress::State::Settled;
@@ -117,9 +120,10 @@ void ContactStep::settle(double h) {
     data_.step.move(system_, data_.state, data_.step.v, h);
     verification_.check(system_, data_, h);
     ranges_.check(system_, data_, h);
+    for (IslandProgress& p : data_.attempt.islands) p.pass++;
+    data_.soft.look(system_, data_, h);
     open = false;
     for (IslandProgress& p : data_.attempt.islands) {
-      p.pass++;
       if (p.open() && !p.violated) p.state = IslandProgress::State::Settled;
       open |= p.open();
     }
@@ -173,6 +177,7 @@ void ContactStep::add_contacts(double h) {
       system_.world.contact_points.add(data_.cache.contacts(), start, end, attempt.candidates[i],
                                        (int)i, p.pass, attempt.contacts);
   }
+  data_.soft.linearise(system_, data_, h, twists_);
   for (size_t i = 0; i < attempt.contacts.size(); i++) {
     Contact& c = attempt.contacts[i];
     const IslandProgress& p = attempt.islands[attempt.candidates[c.pair].island];
@@ -293,7 +298,12 @@ void ContactStep::solve(double h) {
     row.contact.pair = (int)(attempt.candidates.size() + attempt.contacts.size());
     attempt.contacts.push_back(row.contact);
   }
+  std::vector<Contact>& soft = data_.soft.rows();
+  const size_t first_soft = attempt.contacts.size();
+  attempt.contacts.insert(attempt.contacts.end(), soft.begin(), soft.end());
   response_.solve(system_, data_, kinematic_, h);
+  for (size_t i = 0; i < soft.size(); i++)
+    soft[i].impulse = attempt.contacts[first_soft + i].impulse;
   cut_limits(contacts, h);
   for (size_t i = 0; i < attempt.ranges.size(); i++)
     attempt.ranges[i].contact.impulse =

@@ -7,6 +7,7 @@
 #include "stepping/contact_cache.h"
 #include "stepping/effective_inertia.h"
 #include "stepping/islands.h"
+#include "stepping/soft_contacts.h"
 #include "stepping/step_budget.h"
 #include "stepping/system.h"
 
@@ -170,6 +171,7 @@ struct Data {
   EffectiveInertia inertia;
   ContactCache cache;
   Islands islands;
+  SoftContacts soft;
   StepBudget budget;
   FrameResult result;
   Probe probe;

@@ -62,6 +62,7 @@ void FreePaths::find(System& system, Data& data, double dt) {
   world.broad_phase.update(model, start, sweep_.travel, world.depenetration.overlaps());
   mark_busy_trees(world, world.broad_phase, world.depenetration.overlaps(), model, start, end,
                   sweep_, busy_);
+  if (data.soft.any()) data.soft.mark_busy(system, data, sweep_.travel, busy_);
 }
 
 std::vector<Poses>& FreePaths::between(const System& system) {

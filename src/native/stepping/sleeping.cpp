@@ -36,11 +36,12 @@ bool wake_touched(System& system, Data& data) {
     woken[system.tree(shape)] = 1;
     any = true;
   };
-  for (const Contact& c : data.attempt.contacts) {
-    if (dot(c.impulse, c.n) <= 0) continue;
-    wake(data.attempt.candidates[c.pair].shape);
-    wake(data.attempt.candidates[c.pair].other_shape);
-  }
+  for (const std::vector<Contact>* contacts : {&data.attempt.contacts, &data.soft.rows()})
+    for (const Contact& c : *contacts) {
+      if (dot(c.impulse, c.n) <= 0) continue;
+      wake(data.attempt.candidates[c.pair].shape);
+      wake(data.attempt.candidates[c.pair].other_shape);
+    }
   if (!any) return false;
   wake_neighbours(system, data, woken);
   object_velocity(system, data.state, data.step, data.step.length, &woken);

@@ -23,6 +23,7 @@ std::vector<double> Snapshot::save() {
   out.insert(out.end(), world.asleep.begin(), world.asleep.end());
   kinematic.save(out);
   if (system.prescribed != Prescribed::No) prescribed.save(world, out);
+  if (data.soft.any()) data.soft.save(out);
   data.cache.save(out);
   out.push_back((double)out.size());
   return out;
@@ -53,6 +54,7 @@ void Snapshot::load(const std::vector<double>& numbers) {
   if (system.prescribed != Prescribed::No) in = prescribed.load(world, in);
   for (Drive& d : system.drives)
     if (d.gentle()) d.gentle_return.start(d, tuning::stepping::kReturnSpeed, system.joint_reach);
+  if (data.soft.any()) in = data.soft.load(in);
   data.cache.load(in);
   state.update_pose(system);
 }

@@ -15,6 +15,7 @@ void Stepper::start_asleep(int body) {
 void Stepper::finish(const std::vector<int>& person_roots) {
   system.finish(person_roots);
   data_.finish(system);
+  data_.soft.finish(system);
   kinematic_.finish(system.model);
   prescribed_.finish(system.model);
   substep_.finish();
@@ -33,7 +34,9 @@ void Stepper::reset(const double* qpos, const double* qvel) {
     d.reset(&state.qpos[d.first_qpos()], state.qvel.data());
   }
   data_.cache.clear();
+  data_.soft.reset(model);
   data_.result.touches.clear();
+  data_.result.soft.clear();
   probe.solve_times.clear();
   world.broad_phase.forget();
   world.asleep.assign(model.nbody, 0);  // what they rest on is known when they wake
@@ -164,6 +167,7 @@ void Stepper::load(const std::vector<double>& state) {
   snapshot().check(state);
   snapshot().load(state);
   data_.result.touches.clear();
+  data_.result.soft.clear();
   data_.result.points.clear();
 }
 

@@ -82,7 +82,7 @@ void SubStepping::check_ranges(std::vector<char>& ok) const {
 bool SubStepping::check_gap(size_t i, std::vector<char>& ok) {
   const double e = excess(system_, data_, i);
   const ContactCandidate& c = data_.attempt.candidates[i];
-  if (e + c.target >= c.hard) return true;
+  if (c.soft >= 0 || e + c.target >= c.hard) return true;
   ok[data_.islands.of(system_, c)] = 0;
   return false;
 }
@@ -195,6 +195,8 @@ void SubStepping::commit(double h, const std::vector<double>& share) {
   if (pieces) pieces->insert(pieces->end(), state.qpos.begin(), state.qpos.end());
   for (int i = 0; i < model.nv; i++)
     if (share.empty() || share[model.dof_body[i]] >= 0) step.v_free[i] = step.v[i];
+  const std::vector<double>& kick = data_.soft.kick();
+  for (size_t i = 0; i < kick.size(); i++) step.v_free[i] += kick[i];
 }
 
 // Trees whose longest piece of this substep is now being made, so far.
@@ -233,6 +235,7 @@ void SubStepping::record(double h, const std::vector<double>& share) {
     if (kept) data_.cache.keep(system_, data_.state, k, c);
     data_.result.add(k, c);
   }
+  data_.soft.record(system_, data_, h, share);
 }
 
 // Active trees try to make the rest of their step, `left`, in pieces short enough. Returns the time

@@ -66,6 +66,7 @@ void Substep::free_velocity(int k, double h) {
   load_.bear(system_, data_, h);
   part_people(system_, data_);
   object_velocity(system_, data_.state, step, h);
+  data_.soft.ease_gravity(system_, data_, h);
   standing_.add(system_, data_, h);
   hold_asleep(system_, step);
   kinematic_.set_velocity(system_.model, data_.state, step, h);

@@ -39,7 +39,7 @@ double allowed(const System& system, const Attempt& attempt, const ContactCandid
 bool waits(const System& system, const ContactCandidate& c, const std::vector<char>& begun,
            const std::vector<char>& squeezed) {
   const World& world = system.world;
-  if (!world.contact_points.recalls(c)) return false;
+  if (c.soft >= 0 || !world.contact_points.recalls(c)) return false;
   if (c.other_static >= 0 && squeezed[world.shapes[c.shape].person]) return false;
   auto begins = [&](int shape) {
     return shape >= 0 && world.shapes[shape].person >= 0 && begun[world.shapes[shape].person];
@@ -64,6 +64,7 @@ double excess(System& system, Data& data, size_t i) {
   World& world = system.world;
   Poses &start = data.state.pose, &end = data.step.end;
   std::vector<ContactCandidate>& candidates = data.attempt.candidates;
+  if (candidates[i].soft >= 0) return 0;
   double least = 0;
   bool off = stays_off(system, data, candidates[i], least);
   while (!off && candidates[i].known != Known::Plane) {
@@ -133,7 +134,7 @@ void Verification::check_candidate(System& system, Data& data, size_t i) {
   attempt.violated.resize(attempt.candidates.size(), 0);
   attempt.excess.resize(attempt.candidates.size(), 0);
   const int island = attempt.candidates[i].island;
-  if (!attempt.islands[island].open()) return;
+  if (!attempt.islands[island].open() || attempt.candidates[i].soft >= 0) return;
   const double e = excess(system, data, i);
   attempt.excess[i] = e;
   const ContactCandidate& c = attempt.candidates[i];
@@ -247,7 +248,7 @@ void relax(const System& system, Attempt& attempt) {
     if (!relaxed[system.tree(c.shape)] &&
         (c.other_shape < 0 || !relaxed[system.tree(c.other_shape)]))
       continue;
-    if (system.self_overlap(c)) continue;
+    if (system.self_overlap(c) || c.soft >= 0) continue;
     c.target =
         std::min(c.target, c.dist >= 0 ? std::min(c.dist, tuning::collision::kLeastGap) : c.dist);
     if (c.target >= 0 && c.target < tune::kNarrowGap)

@@ -1,0 +1,43 @@
+// The pressure of one pair as a few compliant contact points.
+//
+// Samples whose layers face the same way make a patch; a pair has up to kMostPatches of them. In a patch, with
+// q_i the impulse of sample i [N s], S_i = -dq_i/dw its change by the velocity w at which the two part
+// [kg], and x_i its place: the sums Q and S, the centres x_Q and x_S, and the second moments of the S_i
+// about x_S in the patch's plane, with principal axes e1, e2 and standard deviations s1, s2. The points are
+//
+//     x_j = x_S +- s1 e1 +- s2 e2,   S_j = S/4,
+//     q_j = Q/4 (1 +- a1 +- a2),     a_k = (x_Q - x_S).e_k / s_k
+//
+// which have the force, both moments, and all of their derivatives by a rigid motion of the patch (two points where the patch is
+// a line, one where it is a point). If some q_j were negative, the points lie about x_Q, with equal q_j.
+//
+// Each point is a row of the solver with a compliance: q = max(0, q_j + S_j (w_j - w)).
+#pragma once
+#include <vector>
+
+#include "soft/pressing.h"
+
+namespace hp {
+
+struct PatchPoint {
+  Vec3 x, n;
+  double impulse = 0;  // q_j [N s]
+  double yield = 0;    // S_j [kg]
+  int patch = 0;
+};
+
+// What a pair's samples push with in a step, all together.
+struct PairImpulse {
+  Vec3 force, moment;  // impulses [N s], and about `about` [N m s]
+  double size = 0;     // sum of the samples' impulses [N s]
+  double lever = 0;    // their mean distance from there [m]
+};
+
+// Impulses that move the step, by the pressures found last.
+PairImpulse total_impulse(const SoftPair& pair, Rule rule, double h, Vec3 about);
+// The points of all patches, appended to `out`; and the sample that each patch's samples name in
+// `patch` (per near sample, -1: not pressed).
+void condense(const SoftPair& pair, Rule rule, double h, std::vector<PatchPoint>& out,
+              std::vector<int>& patch);
+
+}  // namespace hp

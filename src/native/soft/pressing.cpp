@@ -1,0 +1,166 @@
+#include "soft/pressing.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tuning.h"
+
+namespace hp {
+
+namespace tune = tuning::soft;
+
+SamplePoses::SamplePoses(const CollisionWorld& world, const SoftWorld& soft, Poses& pose, int shape)
+    : samples_(soft.samples_of(shape)), shape_(world.shapes[shape]), pose_(pose) {
+  if (shape_.skin) posed_ = &world.place(pose, shape);
+}
+
+Vec3 SamplePoses::position(int sample) const {
+  if (posed_) return posed_->points().at(samples_.vertex[sample]);
+  const int b = shape_.body;
+  return pose_.kin.xpos[b] + pose_.kin.xmat[b] * samples_.points[sample];
+}
+
+Vec3 SamplePoses::normal(int sample) const {
+  const Vec3& rest = samples_.normals[sample];
+  if (!posed_) return pose_.kin.xmat[shape_.body] * rest;
+  const Skin& skin = *shape_.skin;
+  const int v = shape_.vertex[samples_.vertex[sample]];
+  Vec3 n;
+  for (int e = skin.first_weight[v]; e < skin.first_weight[v + 1]; e++)
+    n += skin.weight[e] * (pose_.kin.xmat[skin.body[skin.weight_joint[e]]] * rest);
+  const double length = norm(n);
+  return length > tune::kNoDistance ? (1 / length) * n : pose_.kin.xmat[shape_.body] * rest;
+}
+
+FrameDistance frame_of(const CollisionWorld& world, const SoftWorld& soft, Poses& pose,
+                       const SoftPair& pair) {
+  return pair.other_static >= 0 ? FrameDistance::of_static(world, soft, pair.other_static)
+                                : FrameDistance::of_shape(world, soft, pose, pair.other_shape);
+}
+
+namespace {
+
+// Half of the depths' spread over the piece of surface of area A that a sample stands for.
+double spread(double area, double cosine) {
+  return std::max(tune::kLeastEdge, 0.5 * std::sqrt(area * std::max(0.0, 1 - cosine * cosine)));
+}
+
+// Looks up one sample at a pose; false if it is farther than `within` from the frame.
+bool look(const SamplePoses& poses, const FrameDistance& frame, const SurfaceSamples& samples,
+          double within, NearSample& s) {
+  const Vec3 x = poses.position(s.sample);
+  FramePoint p;
+  if (!frame.nearest(x, within, s.triangle, p)) return false;
+  const double area = samples.areas[s.sample];
+  const double cosine = std::clamp(-dot(poses.normal(s.sample), p.n), 0.0, 1.0);
+  s.x = x, s.n = p.n, s.at = p.at, s.triangle = p.triangle;
+  s.thickness = p.thickness + s.own;
+  s.depth = s.thickness - p.distance;
+  s.edge = spread(area, cosine);
+  s.area = area * cosine;
+  return true;
+}
+
+}  // namespace
+
+void find_near(const CollisionWorld& world, const SoftWorld& soft, Poses& start, double reach,
+               SoftPair& pair) {
+  pair.stamp = start.stamp, pair.reach = reach;
+  pair.near.clear();
+  const SurfaceSamples& samples = soft.samples_of(pair.shape);
+  const FrameDistance frame = frame_of(world, soft, start, pair);
+  const SamplePoses poses(world, soft, start, pair.shape);
+  const SoftLaw own = soft.layer_of_shape(pair.shape).law;
+  const double within = pair.thickness + reach + samples.pitch;
+  for (int i = 0; i < samples.size(); i++) {
+    NearSample s;
+    s.sample = i;
+    const SoftLayer& layer =
+        samples.layers.empty() ? soft.layer_of_shape(pair.shape) : samples.layers[i];
+    s.own = layer.thickness;
+    if (!look(poses, frame, samples, within, s)) continue;
+    s.law = in_series(frame.layer().law, samples.layers.empty() ? own : layer.law);
+    if (s.law.stiffness <= 0) continue;  // both are hard here
+    s.before = s.depth;
+    pair.near.push_back(s);
+  }
+}
+
+bool find_depths(const CollisionWorld& world, const SoftWorld& soft, Poses& end, SoftPair& pair) {
+  if (pair.near.empty()) return false;
+  const SurfaceSamples& samples = soft.samples_of(pair.shape);
+  const FrameDistance frame = frame_of(world, soft, end, pair);
+  const SamplePoses poses(world, soft, end, pair.shape);
+  bool any = false;
+  for (NearSample& s : pair.near) {
+    if (!look(poses, frame, samples, pair.thickness + samples.pitch, s)) {
+      s.depth = -1e300, s.area = 0;
+      continue;
+    }
+    any |= s.depth > -s.edge && s.area > 0;
+  }
+  return any;
+}
+
+namespace {
+
+// Means over the depths d - e to d + e of the springs' pressure, of its slope, and of their energy.
+struct Spread {
+  const SoftLaw& law;
+  double t, e;
+
+  double pressure(double d) const {
+    return (law.energy(d + e, t) - law.energy(d - e, t)) / (2 * e);
+  }
+  double slope(double d) const {
+    return (law.pressure(d + e, t) - law.pressure(d - e, t)) / (2 * e);
+  }
+  double energy(double d) const {
+    return (law.energy_sum(d + e, t) - law.energy_sum(d - e, t)) / (2 * e);
+  }
+  // The share of the piece that is pressed.
+  double share(double d) const { return std::clamp((d + e) / (2 * e), 0.0, 1.0); }
+};
+
+void press_to_end(const Spread& at, double h, NearSample& s) {
+  const SoftLaw& law = s.law;
+  const double share = at.share(s.depth);
+  const double arm = law.arm * law.stiffness / (1 + h / law.relaxation);
+  s.arm = share * arm * (s.depth - s.gone);
+  s.pressure = at.pressure(s.depth) + share * law.damping * (s.depth - s.before) / h + s.arm;
+  s.slope = at.slope(s.depth) + share * (law.damping / h + arm);
+}
+
+void press_by_mean(const Spread& at, double h, NearSample& s) {
+  const SoftLaw& law = s.law;
+  const double way = s.depth - s.before, middle = s.before + 0.5 * way;
+  const double share = at.share(middle);
+  const double arm = law.arm * law.stiffness / (1 + 0.5 * h / law.relaxation);
+  if (std::fabs(way) > tune::kNoWay) {
+    s.pressure = (at.energy(s.depth) - at.energy(s.before)) / way;
+    s.slope = (at.pressure(s.depth) - s.pressure) / way;
+  } else {
+    s.pressure = at.pressure(middle);
+    s.slope = 0.5 * at.slope(middle);
+  }
+  s.arm = share * arm * (middle - s.gone);
+  s.pressure += share * law.damping * way / h + s.arm;
+  s.slope += share * (law.damping / h + 0.5 * arm);
+}
+
+}  // namespace
+
+void find_pressures(Rule rule, double h, SoftPair& pair) {
+  for (NearSample& s : pair.near) {
+    s.pressure = s.slope = s.arm = 0;
+    if (s.area <= 0) continue;
+    const Spread at{s.law, s.thickness, s.edge};
+    if (rule == Rule::End)
+      press_to_end(at, h, s);
+    else
+      press_by_mean(at, h, s);
+    if (!(s.pressure > 0)) s.pressure = s.slope = 0;
+  }
+}
+
+}  // namespace hp

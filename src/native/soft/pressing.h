@@ -1,0 +1,83 @@
+// How the samples of one shape press on one layer, in one step.
+//
+// A sample is pressed in by d = t_sample + t_layer - g, g the distance of its hard point from the layer's
+// hard frame. It stands for a flat piece of the surface: where the piece is askew to the layer by an angle
+// a, its depths spread over d +- e, e = sqrt(A)/2 sin a, and its pressure is the mean over them, in closed
+// form. So the rim of a contact moves over the samples evenly. Its area counts as the layer sees it,
+// A cos a.
+//
+// Two rules for the pressure of a step from depth d0 to d1:
+//
+//     Rule::End    p(d1) + c (d1 - d0)/h                      implicit Euler: loses energy, never gains it
+//     Rule::Mean   (Psi(d1) - Psi(d0))/(d1 - d0) + c (d1 - d0)/h     a discrete gradient: the springs'
+//                  energy is kept to rounding; Psi their energy
+//
+// With Mean the step moves by half of the impulse and the velocity that is kept has all of it: then the work
+// over the way that is made is what the springs store.
+#pragma once
+#include <cstdint>
+
+#include "soft/frame_distance.h"
+
+namespace hp {
+
+enum class Rule : char { End, Mean };
+// The share of a step's impulse that moves the step.
+inline double moving_share(Rule rule) { return rule == Rule::End ? 1.0 : 0.5; }
+
+// A sample that may reach the layer in this step.
+struct NearSample {
+  int sample = 0;
+  SoftLaw law;             // of both layers
+  double own = 0;          // thickness of the sample's own layer [m]
+  double before = -1e300;  // depth at the start of the step [m]
+  double gone = 0;         // q of the Maxwell arm at the start of the step [m]
+  int triangle = -1;
+  // At the pose looked at last:
+  Vec3 x, n;  // of the hard point; from the layer outward, unit
+  Vec3 at;    // nearest point of the frame
+  double depth = -1e300, edge = 0, thickness = 0;  // d, e and both layers [m]
+  double area = 0;                                 // as the layer sees it [m^2]
+  // Of the step that ends there:
+  double pressure = 0;  // [Pa]
+  double arm = 0;       // p_m [Pa]
+  double slope = 0;     // of the pressure by the depth at the end [Pa/m]
+};
+
+// One shape and what it may press on.
+struct SoftPair {
+  int shape = 0, other_static = -1, other_shape = -1;
+  double thickness = 0;  // of both layers, at most [m]
+  // The shape is at least `room` off the frame, minus what it has travelled since `room_at`; < 0: unknown.
+  double room = -1, room_at = 0;
+  uint64_t stamp = 0;  // of the pose at the start that `near` was found for, as far as `reach`
+  double reach = 0;
+  std::vector<NearSample> near;
+};
+
+// Where the samples of a shape are, one by one.
+class SamplePoses {
+ public:
+  SamplePoses(const CollisionWorld& world, const SoftWorld& soft, Poses& pose, int shape);
+  Vec3 position(int sample) const;
+  Vec3 normal(int sample) const;  // outward
+
+ private:
+  const SurfaceSamples& samples_;
+  const CollisionShape& shape_;
+  const Poses& pose_;
+  const PosedShape* posed_ = nullptr;  // of a skin
+};
+
+FrameDistance frame_of(const CollisionWorld& world, const SoftWorld& soft, Poses& pose,
+                       const SoftPair& pair);
+
+// Finds the samples that are within `reach` of the layer's surface at the start of a step.
+void find_near(const CollisionWorld& world, const SoftWorld& soft, Poses& start, double reach,
+               SoftPair& pair);
+// The depths at an end pose. False if no sample is pressed there.
+bool find_depths(const CollisionWorld& world, const SoftWorld& soft, Poses& end, SoftPair& pair);
+// The pressures of a step of length h [s] that ends there.
+void find_pressures(Rule rule, double h, SoftPair& pair);
+
+}  // namespace hp

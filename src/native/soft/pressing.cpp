@@ -52,9 +52,11 @@ bool look(const SamplePoses& poses, const FrameDistance& frame, const SurfaceSam
   FramePoint p;
   if (!frame.nearest(x, within, s.triangle, p)) return false;
   const double area = samples.areas[s.sample];
-  const double cosine = std::clamp(-dot(poses.normal(s.sample), p.n), 0.0, 1.0);
-  s.x = x, s.n = p.n, s.at = p.at, s.triangle = p.triangle;
-  s.thickness = p.thickness + s.own;
+  const Vec3 normal = poses.normal(s.sample);
+  const double cosine = std::clamp(-dot(normal, p.n), 0.0, 1.0);
+  // What presses is the point of the unloaded surface above the hard point.
+  s.x = x + s.own * normal, s.n = p.n, s.at = p.at, s.triangle = p.triangle;
+  s.thickness = p.thickness + s.own * cosine;
   s.depth = s.thickness - p.distance;
   s.edge = spread(area, cosine);
   s.area = area * cosine;

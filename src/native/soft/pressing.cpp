@@ -55,7 +55,7 @@ bool look(const SamplePoses& poses, const FrameDistance& frame, const SurfaceSam
   const Vec3 normal = poses.normal(s.sample);
   const double cosine = std::clamp(-dot(normal, p.n), 0.0, 1.0);
   // What presses is the point of the unloaded surface above the hard point.
-  s.x = x + s.own * normal, s.n = p.n, s.at = p.at, s.triangle = p.triangle;
+  s.x = s.y = x + s.own * normal, s.n = p.n, s.at = p.at, s.triangle = p.triangle;
   s.thickness = p.thickness + s.own * cosine;
   s.depth = s.thickness - p.distance;
   s.edge = spread(area, cosine);
@@ -83,9 +83,13 @@ void find_near(const CollisionWorld& world, const SoftWorld& soft, Poses& start,
     if (!look(poses, frame, samples, within, s)) continue;
     s.law = in_series(frame.layer().law, samples.layers.empty() ? own : layer.law);
     if (s.law.stiffness <= 0) continue;  // both are hard here
-    s.before = s.depth;
+    s.before = s.depth, s.first = s.x;
     pair.near.push_back(s);
   }
+}
+
+void act_between(Vec3 from, Vec3 to, SoftPair& pair) {
+  for (NearSample& s : pair.near) s.y = 0.5 * (s.x + s.first + (to - from));
 }
 
 bool find_depths(const CollisionWorld& world, const SoftWorld& soft, Poses& end, SoftPair& pair) {

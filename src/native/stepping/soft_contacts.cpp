@@ -173,12 +173,13 @@ void SoftContacts::look(const System& system, Data& data, double h) {
     if (!island.open()) continue;
     SoftPair& pair = pairs_[e.pair];
     find_depths(system.world, system.soft, end, pair);
+    const Vec3 from = middle(system, start, pair), to = middle(system, end, pair);
+    if (rule(data, e.candidate) == Rule::Mean) act_between(from, to, pair);
     find_pressures(rule(data, e.candidate), h, pair);
     data.budget.spend(tune::kSampleWork * (double)pair.near.size());
-    const PairImpulse now =
-        total_impulse(pair, rule(data, e.candidate), h, middle(system, end, pair));
+    const PairImpulse now = total_impulse(pair, rule(data, e.candidate), h, to);
     // The rows lie where the layer was when they were made.
-    const PairImpulse was = applied(e.candidate, middle(system, start, pair));
+    const PairImpulse was = applied(e.candidate, from);
     const double size = std::max(now.size, was.size);
     const double allowed = tune::kRightShare * size + tune::kRightImpulse;
     const bool wrong = norm(now.force - was.force) > allowed ||

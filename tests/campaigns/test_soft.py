@@ -76,7 +76,7 @@ def test_a_row_complains():
         "first_crossed": None,
     }  # fmt: skip
     assert soft.complaints(good) == []
-    bad = good | {"slowest": 0.06, "gained": 0.02, "fastest": 99.0, "lost": 0.1}
+    bad = good | {"slowest": 0.06, "gained": 0.02, "fastest": 99.0, "lost": 0.1, "lost_hard": 0.01}
     bad |= {"gap_mm": -0.01, "inside": 1, "crossed": 1}
     assert len(soft.complaints(bad)) == 6
     assert soft.complaints(good | {"finite": False}) == ["not finite"]

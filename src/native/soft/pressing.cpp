@@ -156,6 +156,13 @@ void press_by_mean(const Spread& at, double h, NearSample& s) {
 
 }  // namespace
 
+PressedPart pressed_part(const NearSample& s) {
+  // Within a step the pressed part shrinks: its pressure is that of the larger.
+  const double share = (std::max(s.depth, s.before) + s.edge) / (2 * s.edge);
+  if (!(share > 0 && share < 1)) return {1, s.depth};
+  return {share, 0.5 * std::max(0.0, s.depth + s.edge)};
+}
+
 void find_pressures(Rule rule, double h, SoftPair& pair) {
   for (NearSample& s : pair.near) {
     s.pressure = s.slope = s.arm = 0;

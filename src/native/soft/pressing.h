@@ -84,6 +84,12 @@ bool find_depths(const CollisionWorld& world, const SoftWorld& soft, Poses& end,
 // there, and the work of the pressures is the energy of the springs; places of one end alone would give a
 // turning thing h/2 of the pressure's work too much.
 void act_between(Vec3 from, Vec3 to, SoftPair& pair);
+// The part of a sample's piece that is pressed at the end pose: its share of the area, and its mean
+// depth [m].
+struct PressedPart {
+  double share = 1, depth = 0;
+};
+PressedPart pressed_part(const NearSample& s);
 // The pressures of a step of length h [s] that ends there.
 void find_pressures(Rule rule, double h, SoftPair& pair);
 

@@ -317,9 +317,10 @@ void SoftContacts::record_points(const System& system, Data& data, const Entry& 
   const SoftPair& pair = pairs_[entry.pair];
   for (const NearSample& s : pair.near) {
     if (!(s.pressure > 0)) continue;
+    const PressedPart part = pressed_part(s);
     data.result.soft.push_back({pair.other_static, pair.other_shape, pair.shape,
-                                system.soft.number(pair.shape, s.sample), s.x, s.n, s.depth,
-                                s.pressure, s.area});
+                                system.soft.number(pair.shape, s.sample), s.x, s.n, part.depth,
+                                s.pressure / part.share, s.area * part.share});
   }
 }
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from halfphysics.body.soft_skin import SoftSkin, soft_core
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Sphere
 from halfphysics.scene.scene import Scene
 from halfphysics.scene.soft_frame import soft_frame
@@ -54,16 +55,25 @@ def hard(scene, frames=True):
 
 
 class Seen:
-    """A simulator as a judge sees it: its people and coordinates, and another scene."""
+    """A simulator as a judge sees it: its coordinates, another scene, and the people's hard cores
+    where their skin is soft."""
 
     def __init__(self, simulator, scene):
-        self.world = _World(simulator.world, scene)
+        world, skin = simulator.world, simulator.world.settings.soft_skin
+        people = list(world.people)
+        if skin:
+            skin = skin if isinstance(skin, SoftSkin) else SoftSkin()
+            bodies = [_With(p.body, rest_vertices=soft_core(p.body, skin).vertices) for p in people]
+            people = [_With(p, body=body) for p, body in zip(people, bodies, strict=True)]
+        self.world = _With(world, scene=scene, people=people)
         self.bodies = simulator.bodies
 
 
-class _World:
-    def __init__(self, world, scene):
-        self._world, self.scene = world, scene
+class _With:
+    """A thing with other attributes."""
+
+    def __init__(self, thing, **others):
+        self.__dict__.update(others, _thing=thing)
 
     def __getattr__(self, name):
-        return getattr(self._world, name)
+        return getattr(self._thing, name)

@@ -983,6 +983,18 @@ constexpr int kMostPatches = 3;
 constexpr double kPatchNormal = 0.7;
 // A patch narrower than this about its middle is a line, or a point [m].
 constexpr double kPointSpread = 5e-4;
+// Nor does a patch of a person turn its part by more than its middle does, where it resists turning by less
+// than this [kg m^2]: h^2 times its stiffness. A thigh has 0.1.
+constexpr double kFirmTurn = 2e-3;
+// Samples that face away from a layer by more than this cosine cannot come to press it in a step.
+constexpr double kFacesAway = -0.5;
+// Edge of a cell that foam remembers in [m], and the memory that is none [m]. Smaller cells: a dent of finer
+// shape, and what slides finds fresh foam more often.
+// The grid is shifted by a share of a cell, so that no surface at a round number lies on a border.
+constexpr double kCell = 0.02, kCellShift = 0.3717, kForgotten = 1e-5;
+// Objects on layers so stiff that (omega h)^2 is over this are stepped by implicit Euler: a step does not
+// show their bounce, and a rule that keeps its energy would ring.
+constexpr double kStiffBounce = 1;
 // Beyond this sum of tilts a point of the patch would have to pull; 1 is where it carries nothing.
 constexpr double kMostTilt = 1;
 // Distances whose direction is rounding alone [m].
@@ -999,8 +1011,8 @@ constexpr int kMostPasses = 5;
 // What looking at a sample is taken to cost [multiplications, of 0.125 ns].
 constexpr double kSampleWork = 2e3;
 // The pressures at the end are those of the solve if the sums of force and moment differ by less than this
-// share, or by an impulse that small [N s].
-constexpr double kRightShare = 3e-4, kRightImpulse = 1e-7;
+// share, or by an impulse that small [N s]: free objects must not gain energy by it, people are driven.
+constexpr double kRightShare = 3e-4, kRightShareDriven = 3e-3, kRightImpulse = 1e-7;
 
 }  // namespace hp::tuning::soft
 

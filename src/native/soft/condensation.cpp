@@ -110,8 +110,10 @@ bool find_patch(const SoftPair& pair, const std::vector<int>& patch, int index, 
   return true;
 }
 
-void add_points(const Patch& p, int index, std::vector<PatchPoint>& out) {
-  const int lines = p.spread[0] < tune::kPointSpread ? 0 : p.spread[1] < tune::kPointSpread ? 1 : 2;
+void add_points(const Patch& p, int index, double least_turn, std::vector<PatchPoint>& out) {
+  const double least = std::max(tune::kPointSpread * tune::kPointSpread, least_turn / p.yield);
+  int lines = 0;
+  while (lines < 2 && p.spread[lines] * p.spread[lines] > least) lines++;
   const int count = 1 << lines;
   double tilt[2] = {0, 0};
   Vec3 centre = p.loaded;
@@ -152,12 +154,12 @@ PairImpulse total_impulse(const SoftPair& pair, Rule rule, double h, Vec3 about)
   return sum;
 }
 
-void condense(const SoftPair& pair, Rule rule, double h, std::vector<PatchPoint>& out,
-              std::vector<int>& patch) {
+void condense(const SoftPair& pair, Rule rule, double h, double least_turn,
+              std::vector<PatchPoint>& out, std::vector<int>& patch) {
   const int n = find_patches(pair, patch);
   for (int k = 0; k < n; k++) {
     Patch p;
-    if (find_patch(pair, patch, k, rule, h, p)) add_points(p, k, out);
+    if (find_patch(pair, patch, k, rule, h, p)) add_points(p, k, least_turn, out);
   }
 }
 

@@ -35,9 +35,10 @@ struct PairImpulse {
 
 // Impulses that move the step, by the pressures found last.
 PairImpulse total_impulse(const SoftPair& pair, Rule rule, double h, Vec3 about);
+// `least_turn` [kg m^2]: no points are made of a spread that resists turning by less, S s^2.
 // The points of all patches, appended to `out`; and the sample that each patch's samples name in
 // `patch` (per near sample, -1: not pressed).
-void condense(const SoftPair& pair, Rule rule, double h, std::vector<PatchPoint>& out,
-              std::vector<int>& patch);
+void condense(const SoftPair& pair, Rule rule, double h, double least_turn,
+              std::vector<PatchPoint>& out, std::vector<int>& patch);
 
 }  // namespace hp

@@ -14,7 +14,7 @@ FrameDistance FrameDistance::of_static(const CollisionWorld& world, const SoftWo
   if (s.kind == Static::Kind::HalfSpace)
     f.plane_ = &s;
   else if (s.kind == Static::Kind::Hull)
-    f.hull_ = &s.posed;
+    f.hull_ = &s.posed, f.box_ = &soft.static_boxes[i];
   else
     f.tree_ = soft.trees[i].get();
   return f;
@@ -25,6 +25,7 @@ FrameDistance FrameDistance::of_shape(const CollisionWorld& world, const SoftWor
   FrameDistance f;
   f.layer_ = &soft.layer_of_shape(i);
   f.hull_ = &world.place(pose, i);
+  f.box_ = &soft.shape_boxes[i];
   return f;
 }
 
@@ -39,6 +40,7 @@ bool FrameDistance::nearest(Vec3 x, double within, int triangle, FramePoint& out
 }
 
 bool FrameDistance::nearest_on_hull(Vec3 x, double within, FramePoint& out) const {
+  if (box_->is) return nearest_on_box(x, within, out);
   const double radius = hull_->hull->radius;
   const Points point{&x.x, &x.y, &x.z, 1};
   Vec3 pa, pb;
@@ -50,6 +52,23 @@ bool FrameDistance::nearest_on_hull(Vec3 x, double within, FramePoint& out) cons
   if (length <= tune::kNoDistance) return false;  // a point in the middle: which way is open
   out.n = (1 / length) * away;
   out.distance = d - radius;
+  out.at = x - out.distance * out.n;
+  return true;
+}
+
+// In the box's axes.
+bool FrameDistance::nearest_on_box(Vec3 x, double within, FramePoint& out) const {
+  const Convex& hull = *hull_->hull;
+  const Vec3 y = mul_t(box_->axes, mul_t(hull_->R, x - hull_->center) + hull.center - box_->centre);
+  Vec3 away;
+  for (int i = 0; i < 3; i++) {
+    const double beyond = std::fabs(y[i]) - box_->half[i];
+    away[i] = beyond > 0 ? std::copysign(beyond, y[i]) : 0;
+  }
+  const double d = norm(away);
+  if (d > within + hull.radius || d <= tune::kNoDistance) return false;
+  out.n = hull_->R * (box_->axes * ((1 / d) * away));
+  out.distance = d - hull.radius;
   out.at = x - out.distance * out.n;
   return true;
 }

@@ -29,11 +29,13 @@ class FrameDistance {
 
  private:
   bool nearest_on_hull(Vec3 x, double within, FramePoint& out) const;
+  bool nearest_on_box(Vec3 x, double within, FramePoint& out) const;
   bool nearest_on_mesh(Vec3 x, double within, int triangle, FramePoint& out) const;
 
   const SoftLayer* layer_ = nullptr;
   const Static* plane_ = nullptr;
   const PosedShape* hull_ = nullptr;
+  const FrameBox* box_ = nullptr;
   const triangles::Tree* tree_ = nullptr;
 };
 

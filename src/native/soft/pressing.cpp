@@ -52,10 +52,11 @@ bool look(const SamplePoses& poses, const FrameDistance& frame, const SurfaceSam
   FramePoint p;
   if (!frame.nearest(x, within, s.triangle, p)) return false;
   const double area = samples.areas[s.sample];
-  const Vec3 normal = poses.normal(s.sample);
-  const double cosine = std::clamp(-dot(normal, p.n), 0.0, 1.0);
+  if (poses.turns() || norm2(s.normal) == 0) s.normal = poses.normal(s.sample);
+  const double facing = -dot(s.normal, p.n), cosine = std::clamp(facing, 0.0, 1.0);
+  if (facing < tune::kFacesAway) return false;
   // What presses is the point of the unloaded surface above the hard point.
-  s.x = s.y = x + s.own * normal, s.n = p.n, s.at = p.at, s.triangle = p.triangle;
+  s.x = s.y = x + s.own * s.normal, s.n = p.n, s.at = p.at, s.triangle = p.triangle;
   s.thickness = p.thickness + s.own * cosine;
   s.depth = s.thickness - p.distance;
   s.edge = spread(area, cosine);
@@ -65,8 +66,14 @@ bool look(const SamplePoses& poses, const FrameDistance& frame, const SurfaceSam
 
 }  // namespace
 
-void find_near(const CollisionWorld& world, const SoftWorld& soft, Poses& start, double reach,
-               SoftPair& pair) {
+FoamPlace foam_place(const CollisionWorld& world, const Poses& pose, const SoftPair& pair) {
+  if (pair.other_static >= 0) return {pair.other_static, {}, {}};
+  const int b = world.shapes[pair.other_shape].body;
+  return {-pair.other_shape - 1, pose.kin.xpos[b], pose.kin.xmat[b]};
+}
+
+void find_near(const CollisionWorld& world, const SoftWorld& soft, const FoamCells& cells,
+               Poses& start, double reach, SoftPair& pair) {
   pair.stamp = start.stamp, pair.reach = reach;
   pair.near.clear();
   const SurfaceSamples& samples = soft.samples_of(pair.shape);
@@ -74,6 +81,7 @@ void find_near(const CollisionWorld& world, const SoftWorld& soft, Poses& start,
   const SamplePoses poses(world, soft, start, pair.shape);
   const SoftLaw own = soft.layer_of_shape(pair.shape).law;
   const double within = pair.thickness + reach + samples.pitch;
+  const FoamPlace place = foam_place(world, start, pair);
   for (int i = 0; i < samples.size(); i++) {
     NearSample s;
     s.sample = i;
@@ -84,6 +92,7 @@ void find_near(const CollisionWorld& world, const SoftWorld& soft, Poses& start,
     s.law = in_series(frame.layer().law, samples.layers.empty() ? own : layer.law);
     if (s.law.stiffness <= 0) continue;  // both are hard here
     s.before = s.depth, s.first = s.x;
+    if (s.law.arm > 0) s.gone = cells.gone(place.layer, place.local(s.at), s.law);
     pair.near.push_back(s);
   }
 }
@@ -130,7 +139,7 @@ struct Spread {
 
 void press_to_end(const Spread& at, double h, NearSample& s) {
   const SoftLaw& law = s.law;
-  const double share = at.share(s.depth);
+  const double share = s.pressed = at.share(s.depth);
   const double arm = law.arm * law.stiffness / (1 + h / law.relaxation);
   s.arm = share * arm * (s.depth - s.gone);
   s.pressure = at.pressure(s.depth) + share * law.damping * (s.depth - s.before) / h + s.arm;
@@ -140,7 +149,7 @@ void press_to_end(const Spread& at, double h, NearSample& s) {
 void press_by_mean(const Spread& at, double h, NearSample& s) {
   const SoftLaw& law = s.law;
   const double way = s.depth - s.before, middle = s.before + 0.5 * way;
-  const double share = at.share(middle);
+  const double share = s.pressed = at.share(middle);
   const double arm = law.arm * law.stiffness / (1 + 0.5 * h / law.relaxation);
   if (std::fabs(way) > tune::kNoWay) {
     s.pressure = (at.energy(s.depth) - at.energy(s.before)) / way;
@@ -163,9 +172,19 @@ PressedPart pressed_part(const NearSample& s) {
   return {share, 0.5 * std::max(0.0, s.depth + s.edge)};
 }
 
+void remember(const CollisionWorld& world, const Poses& end, double h, const SoftPair& pair,
+              FoamCells& cells) {
+  const FoamPlace place = foam_place(world, end, pair);
+  for (const NearSample& s : pair.near) {
+    if (!(s.pressure > 0) || s.law.arm <= 0 || s.pressed <= 0) continue;
+    const double went = h / s.law.relaxation * s.arm / (s.law.arm * s.law.stiffness * s.pressed);
+    cells.press(place.layer, place.local(s.at), s.gone + went, s.pressed * s.area);
+  }
+}
+
 void find_pressures(Rule rule, double h, SoftPair& pair) {
   for (NearSample& s : pair.near) {
-    s.pressure = s.slope = s.arm = 0;
+    s.pressure = s.slope = s.arm = s.pressed = 0;
     if (s.area <= 0) continue;
     const Spread at{s.law, s.thickness, s.edge};
     if (rule == Rule::End)

@@ -17,6 +17,7 @@
 #pragma once
 #include <cstdint>
 
+#include "soft/foam_cells.h"
 #include "soft/frame_distance.h"
 
 namespace hp {
@@ -29,6 +30,7 @@ inline double moving_share(Rule rule) { return rule == Rule::End ? 1.0 : 0.5; }
 struct NearSample {
   int sample = 0;
   SoftLaw law;             // of both layers
+  Vec3 normal;             // of a skin: outward, at the start of the step
   double own = 0;          // thickness of the sample's own layer [m]
   double before = -1e300;  // depth at the start of the step [m]
   Vec3 first;              // x at the start of the step
@@ -42,7 +44,8 @@ struct NearSample {
   double area = 0;                                 // as the layer sees it [m^2]
   // Of the step that ends there:
   double pressure = 0;  // [Pa]
-  double arm = 0;       // p_m [Pa]
+  double arm = 0;       // p_m [Pa], over the share of the sample that is pressed
+  double pressed = 0;   // that share
   double slope = 0;     // of the pressure by the depth at the end [Pa/m]
 };
 
@@ -63,6 +66,8 @@ class SamplePoses {
   SamplePoses(const CollisionWorld& world, const SoftWorld& soft, Poses& pose, int shape);
   Vec3 position(int sample) const;
   Vec3 normal(int sample) const;  // outward
+  // Are normals to be found anew at every pose? Those of a skin hardly turn in a step.
+  bool turns() const { return !posed_; }
 
  private:
   const SurfaceSamples& samples_;
@@ -74,9 +79,18 @@ class SamplePoses {
 FrameDistance frame_of(const CollisionWorld& world, const SoftWorld& soft, Poses& pose,
                        const SoftPair& pair);
 
+// What foam remembers of the layer that a pair presses, and where.
+struct FoamPlace {
+  int layer = 0;  // a static's number, or minus a shape's, less 1
+  Vec3 origin;    // of its frame
+  Mat3 axes;
+  Vec3 local(Vec3 x) const { return mul_t(axes, x - origin); }
+};
+FoamPlace foam_place(const CollisionWorld& world, const Poses& pose, const SoftPair& pair);
+
 // Finds the samples that are within `reach` of the layer's surface at the start of a step.
-void find_near(const CollisionWorld& world, const SoftWorld& soft, Poses& start, double reach,
-               SoftPair& pair);
+void find_near(const CollisionWorld& world, const SoftWorld& soft, const FoamCells& cells,
+               Poses& start, double reach, SoftPair& pair);
 // The depths at an end pose. False if no sample is pressed there.
 bool find_depths(const CollisionWorld& world, const SoftWorld& soft, Poses& end, SoftPair& pair);
 // Where impulses act if the shape turns: at the means of the places about its middle at the start and
@@ -92,5 +106,8 @@ struct PressedPart {
 PressedPart pressed_part(const NearSample& s);
 // The pressures of a step of length h [s] that ends there.
 void find_pressures(Rule rule, double h, SoftPair& pair);
+// That step has been made, to that pose: what foam remembers of it.
+void remember(const CollisionWorld& world, const Poses& end, double h, const SoftPair& pair,
+              FoamCells& cells);
 
 }  // namespace hp

@@ -40,7 +40,35 @@ void SoftWorld::finish(const CollisionWorld& world) {
     for (const SoftLayer& layer : s.layers) s.thickest = std::max(s.thickest, layer.thickness);
     any_ |= s.size() > 0 && s.thickest > 0;
   }
-  if (any_) build_trees(world);
+  if (!any_) return;
+  build_trees(world);
+  for (const Static& s : world.statics) static_boxes.push_back(FrameBox::of(s.hull));
+  for (const CollisionShape& s : world.shapes)
+    shape_boxes.push_back(s.skin ? FrameBox{} : FrameBox::of(s.hull));
+}
+
+// Two normals across each other give the axes; it is a box if all eight vertices are corners of it.
+FrameBox FrameBox::of(const Convex& hull) {
+  FrameBox box;
+  if (hull.vertices.size() != 8 || hull.rim > 0 || hull.normals.size() < 2) return box;
+  const Vec3 a = hull.normals[0];
+  for (const Vec3& b : hull.normals) {
+    if (std::fabs(dot(a, b)) > 1e-9) continue;
+    const Vec3 c = cross(a, b);
+    for (int i = 0; i < 3; i++)
+      box.axes.m[3 * i] = a[i], box.axes.m[3 * i + 1] = b[i], box.axes.m[3 * i + 2] = c[i];
+    Box3 around;
+    for (const Vec3& v : hull.vertices) around.add(mul_t(box.axes, v));
+    const Vec3 middle = 0.5 * (around.lo + around.hi);
+    box.centre = box.axes * middle, box.half = 0.5 * (around.hi - around.lo);
+    box.is = true;
+    for (const Vec3& v : hull.vertices) {
+      const Vec3 y = mul_t(box.axes, v) - middle;
+      for (int i = 0; i < 3; i++) box.is &= std::fabs(std::fabs(y[i]) - box.half[i]) < 1e-9;
+    }
+    return box;
+  }
+  return box;
 }
 
 // Each sample belongs to one shape: one of its part that has the vertex, else any that has it.

@@ -22,6 +22,14 @@ struct SoftLayer {
   bool soft() const { return thickness > 0; }
 };
 
+// A hull that is a box, possibly rounded: in the hull's frame.
+struct FrameBox {
+  bool is = false;
+  Mat3 axes;  // in its columns
+  Vec3 centre, half;
+  static FrameBox of(const Convex& hull);
+};
+
 // The points by which one shape presses on layers.
 struct SurfaceSamples {
   // In the frame of the shape's body; of a skin: empty, points are vertices of the posed shape.
@@ -50,6 +58,9 @@ struct SoftWorld {
   std::vector<SkinSamples> skins;
   // Of soft static meshes: the tree that points ask. Per static, or fewer.
   std::vector<std::shared_ptr<const triangles::Tree>> trees;
+
+  // Of hulls; per static and per shape.
+  std::vector<FrameBox> static_boxes, shape_boxes;
 
   bool any() const { return any_; }
   const SoftLayer& layer_of_static(int i) const;

@@ -107,7 +107,7 @@ void ContactStep::settle(double h) {
   verification_.check_first(system_, data_, h);
   check_limits(system_, data_, h);
   ranges_.check(system_, data_, h);
-  data_.soft.choose_rules(system_, data_);
+  data_.soft.choose_rules(system_, data_, h);
   data_.soft.look(system_, data_, h);
   bool open = false;
   for (IslandProgress& p : data_.attempt.islands) {

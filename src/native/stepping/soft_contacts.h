@@ -41,7 +41,7 @@ class SoftContacts {
   void ease_gravity(const System& system, Data& data, double h) const;
   void gather(const System& system, Data& data);
   // Chooses the rules of islands; what is hard has been checked at the pose of v_free.
-  void choose_rules(const System& system, const Data& data);
+  void choose_rules(const System& system, Data& data, double h);
   void look(const System& system, Data& data, double h);
   // With the twists that step.v makes.
   void linearise(const System& system, Data& data, double h, const std::vector<Twist>& twists);
@@ -49,6 +49,10 @@ class SoftContacts {
   const std::vector<Contact>& rows() const { return rows_; }
   // The step is made, by the trees' shares of it (sub_stepping.h).
   void record(const System& system, Data& data, double h, const std::vector<double>& share);
+  // A substep of length h [s] is over.
+  void end_substep(double h) {
+    if (any()) cells_.end_step(h);
+  }
   // What the velocities that are kept have beyond those of the step that was recorded last, per dof.
   const std::vector<double>& kick() const { return kick_; }
 
@@ -67,6 +71,7 @@ class SoftContacts {
   bool near(const System& system, Data& data, SoftPair& pair, double reach);
   double room(const System& system, Poses& start, const SoftPair& pair, double range) const;
   bool takes_part(const System& system, const SoftPair& pair) const;
+  bool stiff(const System& system, Data& data, SoftPair& pair, double h) const;
   Vec3 middle(const System& system, Poses& pose, const SoftPair& pair) const;
   PairImpulse applied(int candidate, Vec3 about) const;
   Rule rule(const Data& data, int candidate) const;
@@ -80,6 +85,7 @@ class SoftContacts {
   std::vector<Vec3>
       friction_;  // per pair: impulse along the layer in the substep before, for the warm start
   std::vector<char> level_;  // per body
+  FoamCells cells_;
   std::vector<Entry> active_;
   std::vector<Contact> rows_;
   std::vector<Rule> rules_;       // per root body that names an island

@@ -110,6 +110,7 @@ void Substep::end(double h, double lost) {
   diagnostics.lost_time += lost;
   diagnostics.residual = std::max(diagnostics.residual, -data_.attempt.worst);
   data_.cache.end_substep();
+  data_.soft.end_substep(h);
   state.qvel = data_.step.v_free;
   squeezed_.cut(system_, data_);
   if (system_.world.parting.any()) finish_parting(system_, data_, h);

@@ -33,7 +33,7 @@ struct Thing {
   Vec3 position, velocity;
   hp::Quat turn{1, 0, 0, 0};
   double thickness = 0;  // of its own layer [m]
-  double stiffness = 0;
+  double stiffness = 0, damping = 0;
 };
 
 // A box of these edges, `n` samples along each of those of its lower and upper faces.
@@ -98,7 +98,7 @@ inline hp::Model model(const std::vector<Thing>& things) {
   m.nq = 7 * m.njnt, m.nv = 6 * m.njnt;
   m.armature.assign(m.nv, 0.0);
   for (int b = 0; b < m.nbody; b++) {
-    const Thing none{0, {}, {}, 0, 0, {}, {}, {}, {}, {}, {1, 0, 0, 0}, 0, 0};
+    const Thing none{0, {}, {}, 0, 0, {}, {}, {}, {}, {}, {1, 0, 0, 0}, 0, 0, 0};
     const Thing& t = b > 0 ? things[b - 1] : none;
     m.parent.push_back(0);
     m.jnt_first.push_back(std::max(0, b - 1)), m.jnt_count.push_back(b > 0);
@@ -145,6 +145,7 @@ inline void build(hp::Stepper& s, const std::vector<Thing>& things, const Layer&
     system.soft.of_shape.resize(i + 1);
     system.soft.of_shape[i].thickness = t.thickness;
     system.soft.of_shape[i].law.stiffness = t.stiffness;
+    system.soft.of_shape[i].law.damping = t.damping;
   }
   const int n = (int)things.size() + 1;
   system.world.n_names = n;

@@ -1,0 +1,137 @@
+// Distances to hard frames, and pressures as a few points with the same force, moments and stiffness.
+#include "check.h"
+#include "soft/condensation.h"
+
+namespace {
+
+using hp::Vec3;
+
+// A field of 2 cm pressed into a plane layer with a tilt and a curvature.
+hp::SoftPair field(double tilt, double bend) {
+  hp::SoftPair pair;
+  for (int i = 0; i < 12; i++)
+    for (int j = 0; j < 7; j++) {
+      hp::NearSample s;
+      s.x = {0.02 * i + 0.3, 0.02 * j - 0.1, 0.5};
+      s.n = {0, 0, 1};
+      s.area = 4e-4, s.edge = 1e-5, s.thickness = 0.1;
+      s.law.stiffness = 2e5;
+      const double u = s.x.x - 0.41, v = s.x.y + 0.04;
+      s.before = 0.02, s.depth = 0.02 + tilt * u - 0.5 * tilt * v - bend * u * u;
+      pair.near.push_back(s);
+    }
+  return pair;
+}
+
+struct Sums {
+  double force = 0, along_x = 0, along_y = 0, xx = 0, xy = 0, yy = 0, yield = 0;
+  void add(Vec3 x, double q, double s) {
+    force += q, along_x += q * x.x, along_y += q * x.y;
+    yield += s, xx += s * x.x * x.x, xy += s * x.x * x.y, yy += s * x.y * x.y;
+  }
+};
+
+// Force, both moments, and their derivatives by sinking and tilting, in both rules.
+void points_have_the_force_moments_and_stiffness_of_the_samples() {
+  const double h = 1.0 / 240;
+  for (const hp::Rule rule : {hp::Rule::End, hp::Rule::Mean}) {
+    hp::SoftPair pair = field(0.06, 0);
+    hp::find_pressures(rule, h, pair);
+    Sums exact, found;
+    const double share = hp::moving_share(rule);
+    for (const hp::NearSample& s : pair.near)
+      exact.add(s.x, share * h * s.area * s.pressure, share * h * h * s.area * s.slope);
+    std::vector<hp::PatchPoint> points;
+    std::vector<int> patch;
+    hp::condense(pair, rule, h, 0, points, patch);
+    CHECK(points.size() == 4);
+    for (const hp::PatchPoint& p : points) {
+      CHECK(p.impulse > 0 && p.n.z > 1 - 1e-12);
+      found.add(p.x, p.impulse, p.yield);
+    }
+    for (double Sums::* sum : {&Sums::force, &Sums::along_x, &Sums::along_y, &Sums::yield,
+                               &Sums::xx, &Sums::xy, &Sums::yy})
+      CHECK_NEAR(found.*sum, exact.*sum, 1e-10 * std::fabs(exact.*sum));
+  }
+}
+
+// Where a point would have to pull, the force and both moments are right still.
+void no_point_pulls() {
+  hp::SoftPair pair = field(0.16, 8);
+  hp::find_pressures(hp::Rule::End, 1.0 / 240, pair);
+  std::vector<hp::PatchPoint> points;
+  std::vector<int> patch;
+  hp::condense(pair, hp::Rule::End, 1.0 / 240, 0, points, patch);
+  const hp::PairImpulse exact = hp::total_impulse(pair, hp::Rule::End, 1.0 / 240, {});
+  Vec3 force, moment;
+  for (const hp::PatchPoint& p : points) {
+    CHECK(p.impulse >= 0);
+    force += p.impulse * p.n, moment += p.impulse * cross(p.x, p.n);
+  }
+  CHECK_NEAR(norm(force - exact.force), 0, 1e-12 * norm(exact.force));
+  CHECK_NEAR(norm(moment - exact.moment), 0, 1e-10 * norm(exact.moment));
+}
+
+// A discrete gradient: the force over the way is what the springs store, at any step.
+void the_mean_rule_stores_what_it_takes() {
+  hp::SoftPair pair = field(0.06, 2);
+  for (hp::NearSample& s : pair.near) s.law.densification = 5;
+  hp::find_pressures(hp::Rule::Mean, 1.0 / 30, pair);
+  for (const hp::NearSample& s : pair.near) {
+    const double stored = s.law.energy(s.depth, s.thickness) - s.law.energy(s.before, s.thickness);
+    CHECK_NEAR(s.pressure * (s.depth - s.before), stored, 1e-6 * std::fabs(stored) + 1e-9);
+  }
+}
+
+// Of two surfaces that face apart, as between a seat and its back, each has its own points.
+void surfaces_that_face_apart_are_patches() {
+  hp::SoftPair pair = field(0, 0), back = field(0, 0);
+  for (hp::NearSample& s : back.near) {
+    s.n = {1, 0, 0};
+    pair.near.push_back(s);
+  }
+  hp::find_pressures(hp::Rule::End, 1.0 / 240, pair);
+  std::vector<hp::PatchPoint> points;
+  std::vector<int> patch;
+  hp::condense(pair, hp::Rule::End, 1.0 / 240, 0, points, patch);
+  CHECK(points.size() == 6);  // the second is seen from its edge
+  for (const hp::PatchPoint& p : points) CHECK(p.n.z > 1 - 1e-12 || p.n.x > 1 - 1e-12);
+}
+
+// A box, closed form and GJK; from its face, edge and corner.
+void a_box_is_as_far_as_by_gjk() {
+  hp::CollisionWorld world;
+  hp::SoftWorld soft;
+  hp::Static box;
+  box.kind = hp::Static::Kind::Hull;
+  for (int k = 0; k < 8; k++)
+    box.hull.vertices.push_back({k & 1 ? 0.7 : -0.3, k & 2 ? 0.2 : -0.4, k & 4 ? 1.1 : 0.9});
+  box.hull.radius = 0.02;
+  box.hull.finish();
+  box.posed.place(box.hull, {}, {});
+  world.statics = {box, box};
+  world.statics[0].hull.normals = {{0, 1, 0}, {0, 0, 1}};
+  soft.static_boxes = {hp::FrameBox::of(world.statics[0].hull), hp::FrameBox::of(box.hull)};
+  for (hp::Static& s : world.statics) s.posed.hull = &s.hull;
+  CHECK(soft.static_boxes[0].is && !soft.static_boxes[1].is);
+  for (const Vec3 x : {Vec3{0.1, 0, 1.25}, Vec3{0.9, 0, 1.2}, Vec3{-0.4, -0.5, 0.8}}) {
+    hp::FramePoint a, b;
+    CHECK(hp::FrameDistance::of_static(world, soft, 0).nearest(x, 1, -1, a));
+    CHECK(hp::FrameDistance::of_static(world, soft, 1).nearest(x, 1, -1, b));
+    CHECK_NEAR(a.distance, b.distance, 1e-12);
+    CHECK_NEAR(norm(a.n - b.n), 0, 1e-9);
+    CHECK_NEAR(norm(a.at - b.at), 0, 1e-9);
+    CHECK(!hp::FrameDistance::of_static(world, soft, 0).nearest(x, 0.9 * a.distance, -1, b));
+  }
+}
+
+}  // namespace
+
+int main() {
+  points_have_the_force_moments_and_stiffness_of_the_samples();
+  no_point_pulls();
+  the_mean_rule_stores_what_it_takes();
+  surfaces_that_face_apart_are_patches();
+  a_box_is_as_far_as_by_gjk();
+  return check::report("condensation");
+}

@@ -59,7 +59,7 @@ PARAMETERS = {
     "Soft": "thickness stiffness damping law densification hysteresis recovery",
     "Soft.named": "name * thickness",
     "Scene.add_moving": "self name shape positions quaternions * fps friction restitution loop "
-    "scale up",
+    "scale up soft",
     "Scene.add_articulated": "self name source * position quaternion friction restitution joints "
     "velocities",
     "Scene.ray": "self origin direction * ignore",

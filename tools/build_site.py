@@ -74,7 +74,7 @@ CONTENTS = {
         *("reference/index", "reference/commands", "formats", "scene-files", "result-files"),
         "metrics",
     ],
-    "Understand": ["physics", "support", "evidence", "benchmarks", "design"],
+    "Understand": ["physics", "support", "soft", "evidence", "benchmarks", "design"],
     "Project": ["contributing", "changelog", "citing"],
 }
 #: Files of the root that are pages, and those that can be downloaded.

@@ -97,6 +97,7 @@ def _place(result: Result, name: str, frame: int) -> np.ndarray:
 
 #: Scenario -> what is shown of it.
 SHOTS = {
+    "ball_on_cushion": Shot(times=(0.1, 0.4, 0.5, 2.5), turn=300.0),
     "climb_onto_bed": Shot(times=(0.6, 1.7, 2.9, 4.2)),
     "close_drawer": Shot(times=(0.8, 1.6, 2.1, 2.7), turn=245.0, height=20.0),
     "close_laptop": Shot(
@@ -108,6 +109,7 @@ SHOTS = {
     "grasp_glass": Shot(
         times=(1.0, 1.8, 3.0, 13.5), turn=20.0, near="right_wrist", height=12.0, reach=0.45
     ),
+    "jump_on_bed": Shot(times=(1.1, 1.75, 2.1, 4.0), turn=300.0),
     "kick_ball": Shot(times=(2.6, 3.1, 3.2, 3.3)),
     "leg_through_table": Shot(times=(2.2, 2.7, 3.3, 4.6)),
     "lift_suitcase": Shot(times=(0.0, 3.0, 6.3, 9.4), turn=300.0),
@@ -124,6 +126,7 @@ SHOTS = {
     ),
     "sit_on_bed": Shot(times=(0.4, 1.6, 2.9, 4.4)),
     "sit_on_sofa": Shot(times=(0.8, 2.2, 3.4, 4.2)),
+    "squeeze_pillow": Shot(times=(0.0, 1.0, 2.6, 4.6), turn=300.0),
     "step_back_onto_cabinet": Shot(times=(0.6, 2.4, 3.2, 4.6)),
     "stretch_on_bed": Shot(times=(0.3, 1.5, 2.2, 4.5), turn=50.0, height=28.0),
     "walk_into_wall": Shot(times=(1.2, 1.9, 2.6, 4.2)),

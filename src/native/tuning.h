@@ -949,6 +949,26 @@ constexpr double kPressureMiss = 1e-9;
 constexpr int kPressureSteps = 40;
 constexpr double kPressureGain = 1e-4, kLeastPressureStep = 1e-6;
 
+// underfoot.cpp, on_layers.cpp, stepping/layer_load.cpp
+
+// A part that is put on a soft layer goes so far below its surface [m], by no more than this share of its thickness:
+// contacts carry it from there on.
+constexpr double kDips = 5e-3, kDipsShare = 0.25;
+// Layers carry a person from this share of its weight on: what is less is nothing.
+constexpr double kCarryFrom = 1e-4;
+// Time constants of the share of the weight that layers are to carry, and of the centre of their pressure [s]:
+// shorter than people sit down in, longer than steps of contact.
+constexpr double kLayerShareTime = 0.05, kLayerCentreTime = 0.05;
+// Share of the weight that layers have at least under somebody who sits on them, where the moments leave a choice; and
+// in any case.
+constexpr double kSeatShare = 0.5, kLeastLayerShare = 0.01;
+// Firmness of the joints of the legs of somebody whom layers carry, who bears the weight on them: at 1 ankles on a
+// mattress give way by 30 degrees, at 30 by 2.
+constexpr double kLegFirmness = 30;
+// Rate at which a person who rests on layers loses velocity off its motion, up or down [1/s]: what muscles and flesh
+// damp, some 0.3 of the critical on a mattress. At 100, as the drive has it, sinking takes seconds.
+constexpr double kLayerDamping = 10;
+
 // stepping/reference_clock.cpp
 
 // The clock of a person slows down from the first distance behind its path on and stops at the second

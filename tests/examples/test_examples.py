@@ -137,3 +137,12 @@ def test_learn_to_pass():
     pytest.importorskip("stable_baselines3")
     found = example("08_learn_to_pass.py")["main"](steps=64, episodes=2, worlds=2)
     assert list(found) == ["by chance", "by hand", "PPO before", "PPO after"]
+
+
+def test_soft_seat():
+    """Two seats of much the same area: on the thin one the pressure peaks over the frame."""
+    found = example("10_soft_seat.py")["main"]()
+    pad, sofa = found.values()
+    assert 2.0 < sofa[0] < 40.0  # [kPa]
+    assert pad[0] > 1.5 * sofa[0]
+    assert 200.0 < sofa[1] < 2500.0  # [cm^2]

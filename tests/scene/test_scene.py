@@ -9,7 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 
+import halfphysics as hp
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
 from halfphysics.geometry.shapes import Box, Mesh, Plane, Sphere
 from halfphysics.scene.scene import Scene
@@ -227,3 +229,40 @@ def test_pairs_name_what_is_there() -> None:
         scene.friction("ball", "ball", 0.5)
     with pytest.raises(InputError, match="friction between 'ball' and 'person'"):
         scene.friction("ball", "person", -0.5)
+
+
+def test_what_is_soft_keeps_its_surface_and_has_a_frame():
+    scene = hp.Scene()
+    bed = scene.add_static("bed", hp.Box((2.0, 1.0, 0.4)), soft=hp.Soft(0.1, 1e5))
+    assert bed.shape == hp.Box((2.0, 1.0, 0.4))
+    assert bed.frame.size == pytest.approx((1.8, 0.8, 0.2))
+    thin = scene.add_static("pad", hp.Box((1.0, 1.0, 0.1)), soft="sofa")
+    assert thin.soft.thickness == pytest.approx(0.045)  # as much as fits
+    hard = scene.add_static("floor", hp.Plane())
+    assert hard.soft is hard.soft_frame is None
+    assert hard.frame is hard.shape
+
+
+def test_the_pieces_of_a_soft_object_are_those_of_its_frame():
+    scene = hp.Scene()
+    ball = scene.add_object("ball", hp.Sphere(0.11), mass=0.4, soft=hp.Soft(0.05, 1e5))
+    assert ball.pieces == (hp.Sphere(0.06),)
+    assert ball.inertia == pytest.approx(0.4 * 0.4 * 0.11**2 * np.eye(3))  # of all of it
+    cushion = scene.add_object(
+        "cushion", trimesh.creation.box((0.5, 0.4, 0.2)), mass=1, soft="sofa"
+    )
+    (piece,) = cushion.pieces
+    # A box of 12 triangles is as thin as 20 cm: 45 % of it is soft on either side.
+    assert np.ptp(piece.triangles()[0], axis=0)[2] == pytest.approx(0.02, abs=0.01)
+
+
+def test_a_soft_mesh_cannot_be_open_or_bring_its_own_pieces():
+    scene, box = hp.Scene(), trimesh.creation.box((1.0, 1.0, 1.0))
+    with pytest.raises(InputError, match="found pieces= and soft="):
+        scene.add_object("a", box, mass=1.0, pieces=[box], soft="sofa")
+    sheet = trimesh.Trimesh(box.vertices, box.faces[:-2])
+    with pytest.raises(InputError, match="not a closed surface, so no frame can be put inside"):
+        scene.add_object("b", sheet, mass=1.0, soft="sofa")
+    with pytest.raises(InputError, match="object 'c': soft: found 5"):
+        scene.add_object("c", hp.Sphere(0.1), mass=1.0, soft=5)
+    assert not scene.objects

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import halfphysics as hp
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
 from halfphysics.scene.scene import Scene
@@ -291,3 +292,37 @@ def test_files_far_too_long_are_not_read(tmp_path: Path) -> None:
             handle.truncate(most * 2**20 + 1)
         with pytest.raises(FileError, match=f"{most} MiB of text, expected at most {most}"):
             Scene.load(tmp_path / name)
+
+
+def test_soft_layers_come_back(tmp_path):
+    scene = hp.Scene()
+    scene.add_static("bed", hp.Box((2.0, 1.0, 0.4)), soft="mattress")
+    scene.add_static("mat", hp.Plane(), soft=hp.Soft(0.05, 3e5, law="linear"))
+    scene.add_object("ball", hp.Sphere(0.1), mass=1.0, soft=hp.Soft(0.03, 1e5, recovery=2.0))
+    for name in ("scene.yaml", "scene.json"):
+        scene.save(tmp_path / name)
+        again = hp.Scene.load(tmp_path / name)
+        assert {n: s.soft for n, s in again.statics.items()} == {
+            n: s.soft for n, s in scene.statics.items()
+        }
+        assert again.objects["ball"].soft == scene.objects["ball"].soft
+
+
+@pytest.mark.parametrize(
+    ("layer", "words"),
+    [
+        ("soffa", "no material called 'soffa'; did you mean 'sofa'?"),
+        ("{thicknes: 0.1}", "unknown key 'thicknes' for a soft layer; did you mean thickness?"),
+        ("{thickness: 0.1}", "found no stiffness"),
+        ("{material: sofa, thickness: -1}", "expected a number from 0.002 to 2 [m], found -1"),
+        ("{thickness: 0.6, stiffness: 100000}", "thickness is 0.6 m; expected at most 0.45 m"),
+        ("3", "expected text, found 3"),
+    ],
+)
+def test_mistakes_in_soft_layers_are_named_with_their_line(tmp_path, layer, words):
+    path = tmp_path / "scene.yaml"
+    path.write_text(f"statics:\n  x: {{shape: box, size: [1, 1, 1], soft: {layer}}}\n")
+    with pytest.raises(FileError) as caught:
+        hp.Scene.load(path)
+    assert f"{path}, line 2, statics.x" in str(caught.value)
+    assert words in str(caught.value)

@@ -48,6 +48,21 @@ def test_objects_added_later_are_in_it(tmp_path):
     assert b"box\0" in (tmp_path / "world.hpw").read_bytes()
 
 
+def test_soft_things_are_in_it():
+    soft = scene()
+    soft.add_static("bed", hp.Box((1, 1, 0.4)), soft="mattress", position=(1, 0, -0.1))
+    soft.add_object(
+        "pillow", hp.Box((0.4, 0.3, 0.15)), mass=1.0, position=(1, 2, 0.3), soft="pillow"
+    )
+    other = hp.Simulator(soft, body=[])
+    other.reset([])
+    for _ in range(20):
+        frame = other.step([])
+    assert len(frame.soft_contacts) > 0
+    data = hp.compile_world(soft, body=[])
+    assert np.array_equal(_native.run_world(data, 20), other.world.stepper.qpos())
+
+
 def test_every_call_that_builds_a_core_is_known():
     """A call that simulation/ makes of a core and that no file could have would fail here."""
     used = set()
@@ -58,6 +73,7 @@ def test_every_call_that_builds_a_core_is_known():
         "pairing",
         "person_shapes",
         "self_contact",
+        "soft_shapes",
     ):
         path = ROOT / "src" / "halfphysics" / "simulation" / f"{name}.py"
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):

@@ -150,7 +150,7 @@ _JOINED = ("up", "floor")
 _OTHERS = (
     "substeps stiffness drive_time recovery_rate weight blocked root root_speed clearance "
     "clearance_range contact self_contact depenetration_speed tolerance max_sweeps strength "
-    "joint_limits threads record mode internal_forces joint_damping torque_frequency "
+    "joint_limits soft_skin threads record mode internal_forces joint_damping torque_frequency "
     "torque_damping scene static object ground reference grounded size"
 )
 _NAMES = "|".join(sorted((_OF_FILES - {"mass"}) | set(_OTHERS.split()), key=len, reverse=True))
@@ -249,6 +249,15 @@ _PHRASES = _compiled(
         r"add_object and add_static take what is rigid": "what is rigid is an object or static",
         r"add_static takes planes": "planes are static",
         r"with scene\.add_static": "with --static",
+        r"; or give halfphysics\.Soft\(thickness, stiffness\)": (
+            "; a scene file may give thickness and stiffness instead"
+        ),
+        r"expected halfphysics\.Soft\(thickness, stiffness\) or one of ": (
+            "expected thickness and stiffness, or one of "
+        ),
+        r"expected [Tt]rue, [Ff]alse or a halfphysics\.body\.soft_skin\.SoftSkin": (
+            "expected yes or no"
+        ),
         r"say where with joints=(\{[^}]*\})": r"say where with joints: \1",
         r", give pieces=\[convex meshes\], or say pieces=\"hull\"": ", or say pieces=hull",
         r"cuts finer; pieces=\[convex meshes\] gives your own": "cuts finer",

@@ -97,14 +97,17 @@ class _Surface:
         Twice the way to where the distance from the surface is largest.
         """
         last = most / (2.0 * SHARE) * (1.0 + 1.0 / STEPS)
-        share = np.arange(1, STEPS + 1) / STEPS
-        found = np.stack([self._far(s * last) for s in share])
-        falls = found[1:] < found[:-1] - OPPOSITE * last / STEPS
         result = np.full(len(most), np.inf)
-        some = np.flatnonzero(falls.any(axis=0))
-        if not len(some):
+        # Where the way's end is as far from the surface as from its start, nothing is near it.
+        open_ = np.flatnonzero(self._far(last) < (1.0 - NEAR) * last)
+        share = np.arange(1, STEPS + 1) / STEPS
+        found = np.stack([self._far(s * last[open_], open_) for s in share])
+        falls = found[1:] < found[:-1] - OPPOSITE * last[open_] / STEPS
+        chosen = np.flatnonzero(falls.any(axis=0))
+        if not len(chosen):
             return result
-        first, end = falls.argmax(axis=0)[some], last[some]
+        some = open_[chosen]
+        first, end = falls.argmax(axis=0)[chosen], last[some]
         low = np.where(first == 0, 0.0, share[np.maximum(first - 1, 0)]) * end
         high = share[first + 1] * end
         for _ in range(HALVINGS):
@@ -134,12 +137,16 @@ class _Surface:
                 break
             left, far, place = left[short], far[short], place[short]
             away = (inner[left] - place) / np.maximum(far, 1e-12)[:, None]
-            inner[left] += (t[left] - far)[:, None] * away
+            # What came out on another side goes back in through where that is nearest.
+            side = np.where(self._inside(inner[left]), 1.0, -1.0)
+            inner[left] = place + (side * t[left])[:, None] * away
         good = self.distance(inner) >= (1.0 - 2.0 * NEAR) * t
         good &= np.linalg.norm(inner - start, axis=1) <= LONGEST * t + 1e-12
-        if self._closed:
-            good &= self._query.inside(inner)
-        return inner, good
+        return inner, good & self._inside(inner)
+
+    def _inside(self, points: Array) -> NDArray[np.bool_]:
+        """Whether points (n, 3) are in the solid; of a surface that is not closed, all are."""
+        return self._query.inside(points) if self._closed else np.ones(len(points), dtype=bool)
 
 
 def plane_offsets(vertices: Array, faces: Indices) -> Array:

@@ -206,13 +206,11 @@ def _icosphere(cuts: int) -> Array:
         for k in range(j + 1, 12)
         if close[i, j] and close[j, k] and close[i, k]
     ]
-    i, j = np.meshgrid(np.arange(cuts), np.arange(cuts), indexing="ij")
-    up = (i + j < cuts).reshape(-1)
-    down = (i + j < cuts - 1).reshape(-1)
-    i, j = i.reshape(-1), j.reshape(-1)
+    row, column = np.repeat(np.arange(cuts), cuts), np.tile(np.arange(cuts), cuts)
+    up, down = row + column < cuts, row + column < cuts - 1
     weights = []
     for mask, offsets in ((up, ((0, 0), (1, 0), (0, 1))), (down, ((1, 0), (1, 1), (0, 1)))):
-        at = [np.stack([i[mask] + a, j[mask] + b], axis=1) for a, b in offsets]
+        at = [np.stack([row[mask] + a, column[mask] + b], axis=1) for a, b in offsets]
         weights.append(np.stack(at, axis=1))
     cell = np.concatenate(weights) / cuts
     full = np.concatenate([cell, 1.0 - cell.sum(axis=2, keepdims=True)], axis=2)

@@ -129,8 +129,8 @@ def item_solids(scene: Scene, tracks: Mapping[str, ObjectTrack]) -> tuple[ItemSo
     for name, item in scene.objects.items():
         # What is touched of a soft object is its surface, not the pieces of its frame.
         shapes = item.pieces if item.soft is None else (item.true_shape,)
-        whole = item.soft is not None and item.decomposition is not None
-        pieces = tuple(Solid(piece, np.zeros(3), np.eye(3), whole) for piece in shapes)
+        uncut = item.soft is not None and item.decomposition is not None
+        pieces = tuple(Solid(piece, np.zeros(3), np.eye(3), uncut) for piece in shapes)
         found.append((name, name, pieces, *_poses(tracks[name]), False))
     for whole in scene.articulated.values():
         for name, link in zip(whole.link_names, whole.links, strict=True):

@@ -57,7 +57,7 @@ def _of_pair(result: Result, rows: SoftContacts) -> LayerPressure:
     np.add.at(force, rows.frame, rows.force)
     shown = rows.pressure >= SHOWN
     at, area = rows.frame[shown], rows.area[shown]
-    total = np.bincount(at, area, count)
+    total: Array = np.bincount(at, area, count).astype(np.float64)
     pressed = np.bincount(at, area * rows.pressure[shown], count)
     return LayerPressure(
         layer=result.names[rows.layer[0]],

@@ -20,6 +20,7 @@ __all__ = ["builder", "describe", "explain", "load", "names", "options"]
 
 #: Scenario -> module of this package that builds it.
 _NAMES = (
+    "ball_on_cushion",
     "climb_onto_bed",
     "close_drawer",
     "close_laptop",
@@ -27,6 +28,7 @@ _NAMES = (
     "doorway",
     "fly_with_ball",
     "grasp_glass",
+    "jump_on_bed",
     "kick_ball",
     "leg_through_table",
     "lift_suitcase",
@@ -39,6 +41,7 @@ _NAMES = (
     "shake_hands",
     "sit_on_bed",
     "sit_on_sofa",
+    "squeeze_pillow",
     "step_back_onto_cabinet",
     "stretch_on_bed",
     "walk_into_wall",

@@ -112,7 +112,7 @@ def build_kinematic(
     rate = number(given["fps"], f"{what}: fps", above=0.0, unit="1/s")
     if not isinstance(loop, bool):
         raise InputError(f"{what}: loop: expected True or False, found {shown(loop)}")
-    solid = _solid(what, shape, given["scale"], given["up"], PieceOptions())
+    solid = _solid(what, shape, given["scale"], given["up"], PieceOptions(), soft=given["soft"])
     velocity, spin = start_velocity(places, turns, rate)
     return KinematicObject(
         name=name,
@@ -128,6 +128,7 @@ def build_kinematic(
         angular_velocity=fixed(spin),
         source=solid.source,
         visual=solid.visual,
+        soft=solid.soft,
         positions=places,
         quaternions=turns,
         fps=rate,

@@ -214,6 +214,7 @@ class Scene(InNotebook, ReadOnly):
         loop: bool = False,
         scale: float = 1.0,
         up: str | None = None,
+        soft: Soft | str | Mapping[str, Any] | None = None,
     ) -> KinematicObject:
         """Add a kinematic object: it moves along a given trajectory and pushes other bodies.
 
@@ -231,7 +232,7 @@ class Scene(InNotebook, ReadOnly):
                 the start.
             friction, restitution: As for statics.
             loop: The first pose follows the last one, 1/fps later; else it stays at the last pose.
-            scale, up: As for statics.
+            scale, up, soft: As for statics.
 
         Raises:
             InputError: An impossible value. FileError: A mesh file that cannot be used.
@@ -248,6 +249,7 @@ class Scene(InNotebook, ReadOnly):
             loop=loop,
             scale=scale,
             up=up,
+            soft=soft,
         )
         self._keep(item)
         return item

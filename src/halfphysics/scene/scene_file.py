@@ -64,7 +64,7 @@ _MESH_KEYS = ("scale", "up", "sha256")
 _PLACED_KEYS = ("position", "quaternion", "friction", "restitution")
 _STATIC_KEYS = (*_PLACED_KEYS, "soft")
 _OBJECT_KEYS = ("mass", "density", "com", *_STATIC_KEYS, "velocity", "angular_velocity", "start")
-_MOVING_KEYS = ("positions", "quaternions", "fps", "loop", "friction", "restitution")
+_MOVING_KEYS = ("positions", "quaternions", "fps", "loop", "friction", "restitution", "soft")
 _ARTICULATED_KEYS = ("file", "xml", "sha256", *_PLACED_KEYS, "joints", "velocities")
 _SCENE_KEYS = (
     "version",

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.reader_warnings import warn
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.results.result import DIAGNOSTICS
 from halfphysics.simulation.soft_rows import COLUMNS
@@ -23,6 +24,10 @@ Ints = NDArray[np.int64]
 #: The longest time that the core runs before it returns to Python [s]: the progress bar moves and
 #: Ctrl-C is noticed that often.
 _SLICE = 0.1
+
+#: Most rows of samples under pressure that are kept [rows of 52 bytes]: two minutes of a person who
+#: lies, at 30 fps. Longer ones keep those of every second frame, or fourth, and say so.
+MOST_PRESSED = 6_000_000
 
 
 @dataclass(frozen=True)
@@ -124,7 +129,7 @@ class Recorder:
         self._substeps: list[Array] = []
         self._footing = np.zeros((count, len(world.people), 2))
         self._contacts, self._inside = _Collected(12), _Collected(4)
-        self._breaches, self._soft = _Collected(4), _Collected(COLUMNS)
+        self._breaches, self._soft = _Collected(4), _Collected(COLUMNS, np.float32, MOST_PRESSED)
 
     def start(self, qpos: Array, clearance: float, inside: Array) -> None:
         """The first frame: coordinates (nq,), clearance [m] and rows of overlaps (n, 4)."""
@@ -159,7 +164,16 @@ class Recorder:
         return count
 
     def recording(self) -> Recording:
-        """All frames that were added."""
+        """All frames that were added.
+
+        Warns:
+            HalfPhysicsWarning: There were too many pressures to keep those of every frame.
+        """
+        if self._soft.every > 1:
+            warn(
+                f"pressures are kept of every {self._soft.every}. frame only: more than "
+                f"{MOST_PRESSED:,} samples were pressed. Simulate shorter pieces to keep them all."
+            )
         self._torque.setflags(write=False)
         return Recording(
             dt=self._dt,
@@ -179,15 +193,30 @@ class Recorder:
 
 
 class _Collected:
-    """Rows of so many columns, slice after slice."""
+    """Rows of so many columns, slice after slice.
 
-    def __init__(self, columns: int) -> None:
-        self._rows = [np.zeros((0, columns))]
+    Where there are more than `most`, those of every second frame are kept, then of every fourth.
+    """
+
+    def __init__(self, columns: int, kind: Any = np.float64, most: int | None = None) -> None:
+        self._rows = [np.zeros((0, columns), dtype=kind)]
         self._frames = [np.zeros(0, dtype=np.int64)]
+        self._kind, self._most = kind, most
+        self.every = 1
 
     def add(self, rows: Array, frames: Ints) -> None:
-        self._rows.append(rows)
-        self._frames.append(frames)
+        self._keep(rows.astype(self._kind, copy=False), frames)
+        while self._most is not None and sum(map(len, self._frames)) > self._most:
+            self.every *= 2
+            old, self._rows = self._rows, self._rows[:1]
+            at, self._frames = self._frames, self._frames[:1]
+            for its, when in zip(old[1:], at[1:], strict=True):
+                self._keep(its, when)
+
+    def _keep(self, rows: Array, frames: Ints) -> None:
+        some = slice(None) if self.every == 1 else frames % self.every == 0
+        self._rows.append(rows[some])
+        self._frames.append(frames[some])
 
     def rows(self) -> Rows:
         return Rows(np.concatenate(self._rows), np.concatenate(self._frames))

@@ -19,6 +19,9 @@ Array = NDArray[np.float64]
 #: Columns of the core's rows: layer's static, layer's shape, shape, sample, position, normal,
 #: depth, pressure, area.
 COLUMNS = 13
+#: Samples that a layer sees edgewise carry nothing and are left out: their area along the normal is
+#: at most this [m^2], a few hundredths of the smallest.
+EDGEWISE = 1e-7
 
 
 def soft_rows(world: World, rows: Array, frame: Ints) -> SoftContacts | None:
@@ -31,6 +34,8 @@ def soft_rows(world: World, rows: Array, frame: Ints) -> SoftContacts | None:
     """
     if not world.soft:
         return None
+    seen = rows[:, 12] > EDGEWISE
+    rows, frame = rows[seen], frame[seen]
     if not len(rows):
         return SoftContacts.none()
     static, under, shape, sample = rows[:, :4].astype(np.int64).T

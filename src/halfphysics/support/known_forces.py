@@ -2,7 +2,8 @@
 
 Impulses of static geometry, of kinematic objects and of fixed links are not among them: they are
 what their surfaces exert to stop a part, and the support of those surfaces is all that they
-exert. Counted here as well, they would count twice.
+exert. Counted here as well, they would count twice. Soft layers are: their pressures hold a person up
+as its weight has it, and nothing else has to be found (docs/physics.md, "Weight").
 """
 
 from __future__ import annotations
@@ -23,6 +24,12 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
+def soft_things(scene: Scene) -> set[str]:
+    """Names of statics and objects that have a soft layer."""
+    things = {**scene.statics, **scene.objects}
+    return {name for name, thing in things.items() if getattr(thing, "soft", None) is not None}
+
+
 def givers_of(scene: Scene, names: tuple[str, ...], me: int) -> list[int]:
     """Indices into `names` of what acts on the person `me`, one of them, by known impulses."""
     fixed = {*scene.statics}
@@ -30,6 +37,7 @@ def givers_of(scene: Scene, names: tuple[str, ...], me: int) -> list[int]:
     for item in scene.articulated.values():
         links = zip(item.link_names, item.links, strict=True)
         fixed |= {name for name, link in links if link.fixed}
+    fixed -= soft_things(scene)
     return [i for i, name in enumerate(names) if name not in fixed and i != me]
 
 

@@ -23,6 +23,8 @@ Mask = NDArray[np.bool_]
 
 #: Share of the weight that nothing supplies over which a frame is unsupported.
 UNSUPPORTED = 0.05
+#: Known forces under this part of the weight are rounding.
+KNOWN = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -164,11 +166,25 @@ class Support(ReadOnly):
 
     @cached_property
     def total_cop(self) -> Array:
-        """Centre of pressure of everything together (T, 3) [m], weighted by the upward forces of
-        the skin; nan where there are none.
+        """Centre of pressure of everything together (T, 3) [m], weighted by the upward forces on
+        the skin, those of soft layers and of other known impulses included; nan where there are none.
         """
-        weight = np.maximum(self.pressure.force @ self.up, 0.0)
-        return _weighted(self.pressure, weight, len(self))
+        upward = np.maximum(self.pressure.force @ self.up, 0.0)[:, None]
+        rows = np.concatenate([upward * self.pressure.position, upward], axis=1)
+        total = sums(rows, self.pressure.frame, (len(self),))
+        known = self._known @ self.up
+        known = np.where(known > KNOWN * self.weight, known, 0.0)
+        total[:, :3] += np.einsum("ts,tsi->ti", known, np.nan_to_num(self.cop))
+        total[:, 3] += known.sum(axis=1)
+        return _mean(total)
+
+    @property
+    def _known(self) -> Array:
+        """Force of each of `names` (T, S, 3) [N] but what was found here: that of impulses."""
+        shape = (len(self), len(self.names))
+        place = self.pressure.frame * shape[1] + self.pressure.surface
+        known: Array = self.force - sums(self.pressure.force, place, shape)
+        return known
 
     def surface(self, name: str) -> tuple[Array, Array]:
         """Force (T, 3) [N] and centre of pressure (T, 3) [m] of one of `names`.
@@ -219,6 +235,10 @@ def sums(values: Array, place: Ints, shape: tuple[int, ...]) -> Array:
 def _weighted(pressure: Pressure, weight: Array, frames: int) -> Array:
     """Mean position (T, 3) of rows by weights (n,); nan where they have none."""
     rows = np.concatenate([weight[:, None] * pressure.position, weight[:, None]], axis=1)
-    total = sums(rows, pressure.frame, (frames,))
+    return _mean(sums(rows, pressure.frame, (frames,)))
+
+
+def _mean(total: Array) -> Array:
+    """Mean (T, 3) of sums of weighted positions and of weights (T, 4); nan without weight."""
     some = total[:, 3:] > 0.0
     return np.where(some, total[:, :3] / np.where(some, total[:, 3:], 1.0), np.nan)

@@ -2,7 +2,8 @@
 
 A thing that moves freely holds nobody up by itself: what it exerts is its contact impulses, which
 the simulation knows. Where it rests on something fixed it passes on what stands on it, so it is a
-surface in those frames. So is a fixed link of an articulated object; its other links are not.
+surface in those frames. So is a fixed link of an articulated object; its other links are not. In a result soft layers
+are no surfaces either: what they carry is known (`known_forces`).
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from halfphysics.geometry.shape_base import Shape
 from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.scene.material_pairs import PERSON
 from halfphysics.scene.trajectories import KinematicObject
+from halfphysics.support.known_forces import soft_things
 
 if TYPE_CHECKING:
     from halfphysics.results.contacts import Contacts
@@ -94,12 +96,16 @@ def surfaces_of(
             fixed. None: every object counts as resting.
         frames: T.
     """
+    known = set() if contacts is None else soft_things(scene)
     found = [
         _surface(scene, name, name, static.shape, static.position[None], static.quaternion[None])
         for name, static in scene.statics.items()
+        if name not in known
     ]
     resting = {} if contacts is None else _resting(scene, names, contacts, frames)
     for name, item in scene.objects.items():
+        if name in known:
+            continue
         position, quaternion = _poses(item, tracks.get(name))
         holds = None
         if contacts is not None and not isinstance(item, KinematicObject):

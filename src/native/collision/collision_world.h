@@ -26,6 +26,7 @@ struct Static {
   Convex hull;       // in the world frame
   PosedShape posed;  // of `hull`
   std::shared_ptr<const TriangleTree> tree;
+  double layer = 0;  // thickness of the soft layer above it [m]; 0: it is hard
 };
 
 // Material properties of two names.

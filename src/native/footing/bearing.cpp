@@ -70,7 +70,7 @@ void spread_weight(const std::vector<BearingPoint>& points, Vec3 centre,
   }
 }
 
-void Bearing::aim(Vec3 centre) {
+void Bearing::aim(Vec3 centre, double left) {
   load_.resize(points.size(), 0);
   target_.assign(points.size(), 0);
   bool movable = false;
@@ -83,7 +83,7 @@ void Bearing::aim(Vec3 centre) {
   if (movable) {
     spread_weight(points, centre, target_);
     for (size_t i = 0; i < points.size(); i++)
-      target_[i] = points[i].shape < 0 ? 0 : best * target_[i];
+      target_[i] = points[i].shape < 0 ? 0 : left * best * target_[i];
   }
   const double all = total();
   left_ = all > 0 ? std::clamp(1 - pressed_ / all, 0.0, 1.0) : 1;

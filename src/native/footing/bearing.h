@@ -11,7 +11,8 @@
 // the moments are right where c is between the points, and the nearest points carry where it is not. It
 // changes smoothly with the points.
 //
-// Only what rests on movable things is a load; the shares of static geometry are dropped. Loads
+// Only what rests on movable things is a load; the shares of static geometry are dropped, and soft layers carry
+// by contacts. Loads
 // follow their targets with a time constant. What leaves its surface is no load any more.
 #pragma once
 #include <vector>
@@ -21,9 +22,10 @@
 namespace hp {
 
 struct BearingPoint {
-  Vec3 at;             // on the surface under it, in the world [m]
-  int shape = -1;      // that surface's, if it can be moved; -1: static geometry, or none
-  double carries = 0;  // 0: not at all
+  Vec3 at;                // on the surface under it, in the world [m]
+  int shape = -1;         // that surface's, if it can be moved; -1: static geometry, or none
+  double carries = 0;     // 0: not at all
+  bool on_layer = false;  // what carries is soft: contacts do (on_layers.h)
 };
 
 // The shares of `points` for a person whose centre of mass is over `centre`, into `share`; all zero
@@ -35,8 +37,8 @@ class Bearing {
  public:
   std::vector<BearingPoint> points;  // of the frame under way
 
-  // The points of a frame are known: what each is to carry.
-  void aim(Vec3 centre);
+  // The points of a frame are known: what each is to carry, of the share `left` of the weight.
+  void aim(Vec3 centre, double left = 1);
   // Time `h` [s] passes.
   void advance(double h);
   // Does anything press on a movable thing?

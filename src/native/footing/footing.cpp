@@ -50,16 +50,18 @@ void Footing::find_left(const Poses& poses, double dt) {
 }
 
 // False: nothing rests, the height stays.
-bool Footing::wanted_height(double& height) const {
+bool Footing::wanted_height(double& height, bool starts) const {
+  // On a layer somebody starts anywhere between frame and surface, and else comes down until it presses.
+  const double from = starts ? height_ : -1e300;
   if (sits()) {
-    height = under_.skin_lift();
+    height = std::clamp(from, under_.least_skin_lift(), under_.skin_lift());
     return true;
   }
   // As high as one foot has it, no higher than the other leg reaches down.
   double highest = -1e300, most = 1e300;
   for (size_t f = 0; f < under_.feet.size(); f++) {
     const Stance::Foot& foot = stance_.feet[f];
-    const double lift = under_.feet[f].lift;
+    const double lift = std::clamp(from, under_.feet[f].least, under_.feet[f].lift);
     const double carries = stance_.drags ? foot.low : foot.rests;
     if (!under_.feet[f].grounded || carries < tune::kAtRestShare) continue;
     if (!stance_.drags && lift < height_ - tune::kFar && foot.rested < tune::kRestTime) continue;
@@ -72,8 +74,9 @@ bool Footing::wanted_height(double& height) const {
 }
 
 void Footing::move_height(double dt, double gravity) {
+  if (layers.carry()) return;  // they move it
   double to = height_;
-  if (!wanted_height(to)) {
+  if (!wanted_height(to, false)) {
     rising_ = 0;
     return;
   }
@@ -92,7 +95,7 @@ void Footing::move_height(double dt, double gravity) {
 
 // After the height has gone down from `from`: no further than nothing sinks into the ground.
 void Footing::come_down(const CollisionWorld& world, Vec3 displaced, double from, double dt) {
-  if (height_ >= from) return;
+  if (height_ >= from || layers.carry()) return;
   const double least = std::min(
       from, Underfoot::least_height(world, *model, stance_, {displaced.x, displaced.y, from}));
   if (height_ >= least) return;
@@ -100,20 +103,23 @@ void Footing::come_down(const CollisionWorld& world, Vec3 displaced, double from
   rising_ = dt > 0 ? (height_ - from) / dt : 0;
 }
 
-// How far a foot is to be lifted beyond the person's height.
-double Footing::wanted_lift(size_t leg, double dt) {
+// How far a foot is to be lifted beyond the person's height, which will be `height`.
+double Footing::wanted_lift(size_t leg, double height, double dt) {
   const Stance::Foot& foot = stance_.feet[leg];
+  const Underfoot::Foot& under = under_.feet[leg];
   double lift = lift_[leg], up = 0;
-  if (under_.feet[leg].grounded) {
-    up = under_.feet[leg].lift - height_;
+  if (under.grounded) {
+    up = under.lift - height;
     // The lowest foot of a dance on sliding feet carries, and does not pass over the ground.
     const double carries = stance_.drags ? std::max(foot.rests, foot.low) : foot.rests;
     const double swings = (1 - carries) * tune::kSwingGap;
     if (up > -swings) up += swings;
     const bool far =
         sits() ? up < -tune::kHangs : up < -tune::kFar && foot.rested < tune::kRestTime;
-    if (lift == 0 && up < tolerated(height_)) up = std::min(up, 0.0);
+    if (lift == 0 && up < tolerated(height)) up = std::min(up, 0.0);
     if (up < tune::kAtHeight) up = far ? 0 : foot.rests * std::min(0.0, up + tune::kFloats);
+    // A foot that rests on a layer sinks with the body, to the frame if contacts let it.
+    if (layers.carry() && under.on_layer() && up > 0) up *= 1 - carries;
   }
   double& sinking = sinking_[leg];
   if (up > lift) {
@@ -188,6 +194,7 @@ void Footing::find_bearing(const Model& m, const CollisionWorld& world, Vec3 dis
     p.at = {x.x, x.y, p.at.z};
     p.carries = rests * fades(stance_.speed[i], tune::kRests, tune::kMoves) *
                 fades(gap, tune::kPresses, tune::kPressesNot);
+    if (p.on_layer) p.carries = 0;
     if (p.shape < 0) return;
     const int body = world.shapes[p.shape].body;
     if (m.pushed_dof(body) < 0 || stance_.own()[body]) p.shape = -1;
@@ -206,7 +213,9 @@ void Footing::find_bearing(const Model& m, const CollisionWorld& world, Vec3 dis
     centre += m.mass[b] * (stance_.kin.xpos[b] + stance_.kin.xmat[b] * m.ipos[b]);
     mass += m.mass[b];
   }
-  bearing.aim((1 / mass) * centre + whole);
+  centre = (1 / mass) * centre + whole;
+  layers.aim(bearing.points, centre, sits());
+  bearing.aim(centre, 1 - layers.share());
 }
 
 void Footing::apply(int root_qpos, double* qpos) {
@@ -266,6 +275,7 @@ void Footing::clear() {
   under_ = {};
   displaced_ = {};
   bearing.reset();
+  layers.reset();
   way.clear();
   stance_.clear(legs);
   footwork_.clear(legs);
@@ -280,12 +290,12 @@ void Footing::start(const Model& m, const CollisionWorld& world, Poses& poses, i
   stance_.read(m, *model, footwork_, {}, qpos);
   under_.find(world, poses, *model, stance_, footwork_, {}, height_, bearing);
   double height = 0;
-  if (!wanted_height(height) || std::fabs(height) > tune::kStartShift) return;
+  if (!wanted_height(height, true) || std::fabs(height) > tune::kStartShift) return;
   if (height < tolerated(height_) && height > -tune::kFloats) height = 0;
   height_ = height;
   come_down(world, {}, 0, 0);
   for (size_t f = 0; f < under_.feet.size(); f++) {
-    const double up = wanted_lift(f, 1);
+    const double up = wanted_lift(f, height_, 1);
     if (std::fabs(up) < tune::kStartShift) lift_[f] = up;
   }
   apply(root_qpos, qpos);
@@ -311,7 +321,8 @@ void Footing::frame(const Model& m, const CollisionWorld& world, Poses& poses, i
   under_.find(world, poses, *model, stance_, footwork_, frame.displaced, height_, bearing);
   move_height(dt, view.gravity);
   come_down(world, frame.displaced, from, dt);
-  for (size_t f = 0; f < under_.feet.size(); f++) lift_[f] = wanted_lift(f, dt);
+  for (size_t f = 0; f < under_.feet.size(); f++)
+    lift_[f] = wanted_lift(f, height_ + frame.rises, dt);
   move_feet(world, poses, frame);
   find_left(poses, dt);
   displaced_ = frame.displaced;
@@ -338,6 +349,7 @@ void Footing::save(std::vector<double>& out) const {
   stance_.save(out);
   footwork_.save(out);
   bearing.save(stance_.count(), out);
+  layers.save(out);
   way.save(out);
   out[at] = (double)(out.size() - at - 1);
 }
@@ -359,6 +371,7 @@ const double* Footing::load(const double* in) {
   in = stance_.load(in, *model);
   in = footwork_.load(in, model->legs.size());
   in = bearing.restore(stance_.count(), in);
+  in = layers.restore(in);
   way.load(in);
   return end;
 }

@@ -15,7 +15,7 @@
 //
 // What rests is read from the reference: what is slow and low. A sole that would be under a surface
 // is lifted whether it rests or not, and nothing that is over the static ground gets into it as the
-// person comes down. A motion whose feet are at the ground is not changed by one bit,
+// person comes down. While soft layers carry it the height is theirs (on_layers.h). A motion whose feet are at the ground is not changed by one bit,
 // and where there is nothing under a person nothing is corrected.
 #pragma once
 #include <memory>
@@ -24,6 +24,7 @@
 #include "footing/bearing.h"
 #include "footing/footing_model.h"
 #include "footing/footwork.h"
+#include "footing/on_layers.h"
 #include "footing/stance.h"
 #include "footing/underfoot.h"
 #include "footing/way_round.h"
@@ -34,6 +35,7 @@ class Footing {
  public:
   std::shared_ptr<const FootingModel> model;  // none: off
   Bearing bearing;                            // what it weighs on
+  OnLayers layers;                            // and how much of it soft layers carry
   WayRound way;                               // back to the path
 
   bool on() const { return model != nullptr; }
@@ -72,6 +74,7 @@ class Footing {
     Stance::View view;
     const double* from = nullptr;  // the corrected target before: qpos of the person
     Vec3 displaced;                // how far the root will be off its path, and is above it now [m]
+    double rises = 0;  // how much higher layers will have it at the end of the frame [m]
   };
   // A frame towards the pose in `target` (the model's qpos), which is corrected.
   void frame(const Model& m, const CollisionWorld& world, Poses& poses, int root_qpos,
@@ -82,10 +85,10 @@ class Footing {
 
  private:
   Leg::Place place(size_t leg) const;
-  bool wanted_height(double& height) const;
+  bool wanted_height(double& height, bool starts) const;
   void come_down(const CollisionWorld& world, Vec3 displaced, double from, double dt);
   void move_height(double dt, double gravity);
-  double wanted_lift(size_t leg, double dt);
+  double wanted_lift(size_t leg, double height, double dt);
   Footwork::Foot moved_foot(const Poses& poses, size_t leg, Vec3 slid) const;
   void move_feet(const CollisionWorld& world, Poses& poses, const Frame& frame);
   void find_left(const Poses& poses, double dt);

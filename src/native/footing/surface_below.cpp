@@ -16,10 +16,11 @@ SurfaceBelow::SurfaceBelow(const CollisionWorld& world) : world_(world) {
 
 // Falls towards the shape: a step to the plane that separates it, again and again. Exact for a face
 // after one.
-void SurfaceBelow::meet(const PosedShape& shape, int number, Vec3 x, double above, Surface& best) {
+void SurfaceBelow::meet(const PosedShape& shape, int number, double layer, Vec3 x, double above,
+                        Surface& best) {
   const Box3& box = shape.box();
   if (x.x < box.lo.x || x.x > box.hi.x || x.y < box.lo.y || x.y > box.hi.y) return;
-  if (box.hi.z <= best.height || box.lo.z > x.z + above) return;
+  if (box.hi.z + layer / tune::kSteep <= best.top() || box.lo.z > x.z + above) return;
   Vec3 at = x;
   at.z = x.z + above;
   if (box.hi.z < at.z) at.z = box.hi.z + tune::kAboveBox;
@@ -34,24 +35,24 @@ void SurfaceBelow::meet(const PosedShape& shape, int number, Vec3 x, double abov
     if (s.n.z <= 0) return;  // it falls past
     steepness = s.n.z;
     at.z -= s.dist / s.n.z;
-    if (at.z < best.height) return;
+    if (at.z + layer / s.n.z < best.top()) return;
   }
   if (steepness < tune::kSteep) return;
-  best = {at.z, number, true};
+  best = {at.z, number, layer / steepness, true};
 }
 
 Surface SurfaceBelow::find_static(Vec3 x, double step, double depth) {
-  Surface best{x.z - depth, -1, false};
+  Surface best{x.z - depth, -1, 0, false};
   for (const Static& s : world_.statics) {
     if (s.kind == Static::Kind::HalfSpace) {
       if (s.n.z < tune::kSteep) continue;
       const double z = (s.offset - s.n.x * x.x - s.n.y * x.y) / s.n.z;
-      if (z > best.height) best = {z, -1, true};
+      if (z + s.layer / s.n.z > best.top()) best = {z, -1, s.layer / s.n.z, true};
     } else if (s.kind == Static::Kind::Hull) {
-      meet(s.posed, -1, x, step, best);
+      meet(s.posed, -1, s.layer, x, step, best);
     } else {
       const double z = s.tree->below({x.x, x.y, x.z + step}, tune::kSteep);
-      if (z > best.height) best = {z, -1, true};
+      if (z + s.layer > best.top()) best = {z, -1, s.layer, true};
     }
   }
   return best;
@@ -63,7 +64,7 @@ Surface SurfaceBelow::find(Poses& poses, Vec3 x, double step, double depth) {
     const BoundingSphere& ball = poses.cached_bounding_sphere(world_.shapes, i);
     const double dx = ball.center.x - x.x, dy = ball.center.y - x.y;
     if (dx * dx + dy * dy > ball.radius * ball.radius) continue;
-    meet(world_.place(poses, i), i, x, tune::kOnObject, best);
+    meet(world_.place(poses, i), i, world_.shapes[i].layer, x, tune::kOnObject, best);
   }
   return best;
 }

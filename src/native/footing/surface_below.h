@@ -2,7 +2,7 @@
 //
 // A vertical line from above the point down. Static geometry counts up to `step` above it (a stair
 // that a foot has sunk into), objects only where they are under it: what a foot kicks is no ground.
-// Walls and steep slopes are none either.
+// Walls and steep slopes are none either. Of what has a soft layer it is the frame, with the layer above it.
 #pragma once
 #include <vector>
 
@@ -11,8 +11,10 @@
 namespace hp {
 
 struct Surface {
-  double height = 0;  // of the surface [m]
-  int shape = -1;     // the object's shape, -1: static geometry
+  double height = 0;                             // of the surface [m]
+  int shape = -1;                                // the object's shape, -1: static geometry
+  double layer = 0;                              // of softness above it, along the vertical [m]
+  double top() const { return height + layer; }  // without load [m]
   bool found = false;
 };
 
@@ -28,7 +30,7 @@ class SurfaceBelow {
 
  private:
   bool wide(Vec3 x, double height);
-  void meet(const PosedShape& shape, int number, Vec3 x, double above, Surface& best);
+  void meet(const PosedShape& shape, int number, double layer, Vec3 x, double above, Surface& best);
 
   const CollisionWorld& world_;
   std::vector<int> objects_;  // shapes that are no person's

@@ -6,6 +6,24 @@ namespace hp {
 
 namespace tune = tuning::footing;
 
+namespace {
+
+// How far below the surface without load a part is put on a layer, so that contacts carry it [m].
+double dips(const Surface& s) { return std::min(tune::kDips, tune::kDipsShare * s.layer); }
+
+// Thickness of soft skin, by the body that a shape is on; empty: no person has any.
+std::vector<double> soft_skin(const CollisionWorld& world) {
+  std::vector<double> layer;
+  for (const CollisionShape& shape : world.shapes) {
+    if (shape.person < 0 || shape.layer <= 0) continue;
+    if ((int)layer.size() <= shape.body) layer.resize(shape.body + 1, 0);
+    layer[shape.body] = std::max(layer[shape.body], shape.layer);
+  }
+  return layer;
+}
+
+}  // namespace
+
 void Underfoot::find(const CollisionWorld& world, Poses& poses, const FootingModel& model,
                      const Stance& stance, const Footwork& work, Vec3 displaced, double height,
                      Bearing& bearing) {
@@ -22,10 +40,13 @@ void Underfoot::find(const CollisionWorld& world, Poses& poses, const FootingMod
       const Surface s = below.find_footing(poses, x + by, tune::kStepUp, tune::kDeep);
       ground.push_back(s.found ? s.height + world.settings.clearance + tune::kSoleGap : -1e300);
       if (!s.found) continue;
-      bearing.points[i] = {{0, 0, s.height}, s.shape, 1};
+      bearing.points[i] = {{0, 0, s.height}, s.shape, 1, s.layer > 0};
       feet[f].grounded = true;
-      feet[f].lift = std::max(feet[f].lift, ground.back() - x.z);
+      feet[f].least = std::max(feet[f].least, ground.back() - x.z);
+      const double top = s.layer > 0 ? s.top() - dips(s) : ground.back();
+      feet[f].lift = std::max(feet[f].lift, top - x.z);
     }
+    feet[f].least = std::min(feet[f].least, feet[f].lift);
   }
   // Skin is seen from where contacts hold the person up.
   find_skin(world, poses, model, stance,
@@ -36,17 +57,22 @@ void Underfoot::find(const CollisionWorld& world, Poses& poses, const FootingMod
 void Underfoot::find_skin(const CollisionWorld& world, Poses& poses, const FootingModel& model,
                           const Stance& stance, Vec3 by, Bearing& bearing) {
   SurfaceBelow below(world);
-  skin_lift_ = -1e300;
+  skin_lift_ = least_skin_lift_ = -1e300;
+  const std::vector<double> skin = soft_skin(world);
   const size_t soles = stance.points.size() - model.skin.size();
   for (size_t n = 0; n < model.skin.size(); n++) {
     const size_t i = soles + n;
     if (stance.speed[i] > tune::kMoves || model.skin[n].facing(stance.kin).z > -tune::kFaces)
       continue;
     const Vec3 x = stance.points[i];
-    const Surface s = below.find(poses, x + by, tune::kPressedIn, tune::kCarries);
+    Surface s = below.find(poses, x + by, tune::kPressedIn, tune::kCarries);
     if (!s.found) continue;
-    bearing.points[i] = {{0, 0, s.height}, s.shape, 1};
-    skin_lift_ = std::max(skin_lift_, s.height + world.settings.clearance - x.z);
+    const int body = model.skin[n].body[0];
+    if (body < (int)skin.size()) s.height -= skin[body], s.layer += skin[body];
+    bearing.points[i] = {{0, 0, s.height}, s.shape, 1, s.layer > 0};
+    const double frame = s.height + world.settings.clearance - x.z;
+    least_skin_lift_ = std::max(least_skin_lift_, frame);
+    skin_lift_ = std::max(skin_lift_, s.layer > 0 ? s.top() - dips(s) - x.z : frame);
   }
 }
 

@@ -1,4 +1,7 @@
 // Underfoot: what is under a person's stance, and how far up it takes each part to stand on it.
+//
+// A soft layer carries anything from its frame up to its surface: there a part has two lifts, the least one,
+// on the frame, and the one to just below the surface, from where on contacts carry it (on_layers.h).
 #pragma once
 #include <vector>
 
@@ -12,7 +15,9 @@ class Underfoot {
  public:
   struct Foot {
     double lift = -1e300;   // how far up it must be put to stand on the highest surface there [m]
+    double least = -1e300;  // the same of the frames of layers [m]
     bool grounded = false;  // there is one
+    bool on_layer() const { return least < lift; }
   };
   std::vector<Foot> feet;  // per leg
   std::vector<double>
@@ -26,12 +31,14 @@ class Underfoot {
   // The lift of the skin that carries, if any but the feet's does.
   bool sits() const { return skin_lift_ > -1e300; }
   double skin_lift() const { return skin_lift_; }
+  // The same of the frames of layers [m].
+  double least_skin_lift() const { return std::min(least_skin_lift_, skin_lift_); }
   // Height of the highest ground under the feet; -1e300: none [m].
   double highest() const;
   // What is known of a frame before.
   void restore(double highest, double skin_lift) {
     ground.assign(1, highest);
-    skin_lift_ = skin_lift;
+    skin_lift_ = least_skin_lift_ = skin_lift;
   }
 
   // The least height at which nothing of a stance is in static geometry that is over it when displaced by
@@ -47,7 +54,7 @@ class Underfoot {
   void find_skin(const CollisionWorld& world, Poses& poses, const FootingModel& model,
                  const Stance& stance, Vec3 by, Bearing& bearing);
 
-  double skin_lift_ = -1e300;
+  double skin_lift_ = -1e300, least_skin_lift_ = -1e300;
 };
 
 }  // namespace hp

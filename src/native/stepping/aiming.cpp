@@ -131,8 +131,10 @@ void Aiming::begin(System& system, Data& data, const double* targets, double dt)
   for (Drive& d : system.drives) {
     d.motion.goes_round = false;
     Vec3 displaced = d.motion.displaced(s, targets, dt, state.qpos.data());
-    // Who has been lifted onto something stands there, and not on what is below.
-    if (d.footing.on() && d.carried && displaced.z > tune::kRaised) {
+    // Who has been lifted onto something stands there, and not on what is below; who rests on soft layers
+    // is as high as they have it.
+    const bool lifted = d.carried && displaced.z > tune::kRaised;
+    if (d.footing.on() && (lifted || d.footing.layers.carry())) {
       d.footing.raise(displaced.z);
       d.motion.raise(displaced.z);
       displaced.z = 0;
@@ -166,7 +168,8 @@ void Aiming::place_feet(System& system, State& state, Drive& d, const double* as
   Footing::Frame frame;
   const Drive::Ahead ahead = d.ahead(s, asked, dt, qpos);
   frame.from = d.motion.target().data();
-  frame.displaced = d.motion.displaced(s, asked, dt, qpos) + ahead.drift;
+  frame.displaced = d.motion.displaced(s, asked, dt, qpos) + Vec3{ahead.drift.x, ahead.drift.y, 0};
+  frame.rises = ahead.drift.z;
   frame.view = {dt, d.clock.passed(), norm(system.gravity), ahead.turned, 1 - d.clock.rate()};
   d.footing.frame(system.model, system.world, state.pose, d.first_qpos(), frame, target_.data());
   for (size_t f = 0; f < d.footing.model->legs.size(); f++) {

@@ -67,6 +67,9 @@ void Drive::begin_frame(const DriveSettings& s, const double* qpos, double* qvel
   for (int i = 0; i < nv; i++) gain_[i] = qvel[first_dof() + i] - deviation_[i];
   motion.reference(v_ref_.data());
   for (int i = 0; i < nv; i++) gain_[i] = motion.first() ? 0 : rate * (v_ref_[i] - gain_[i]);
+  // What layers carry they also speed up: a motion that lands on them takes nothing from its fall.
+  if (s.time_constant > 0 && footing.layers.carry())
+    deviation_[2] -= footing.layers.share() * gain_[2] / rate;
   if (s.time_constant == 0) set_velocities(s, qpos + first_qpos(), qvel);
 }
 
@@ -98,13 +101,22 @@ double DriveSettings::resistance(double lambda, double h) const {
 
 namespace {
 
-// Firmness of a ball. Toes of a foot that is on the ground bear on it: as light as they are, they would
+bool is_leg(const Footing& footing, int body) {
+  for (const Leg& leg : footing.model->legs)
+    if (body == leg.hip || body == leg.knee || body == leg.ankle || body == leg.toes) return true;
+  return false;
+}
+
+// Firmness of a ball. Legs of whom layers carry bear its weight against them. Toes of a foot that is on the ground bear on it: as light as they are, they would
 // curl under the foot.
 double firmness(const Drive& d, const DriveSettings& s, int ball) {
   const double lambda = d.stiffness()[ball], toes = tuning::footing::kToeFirmness;
   if (!d.footing.on() || s.time_constant == 0 || lambda == 0 || lambda >= toes) return lambda;
   const int body = d.body(ball);
-  return d.footing.has_toes(body) && d.footing.bears(body) ? toes : lambda;
+  if (d.footing.has_toes(body) && d.footing.bears(body)) return toes;
+  return d.footing.layers.carry() && is_leg(d.footing, body)
+             ? std::max(lambda, tuning::footing::kLegFirmness)
+             : lambda;
 }
 
 }  // namespace
@@ -172,7 +184,9 @@ Drive::Ahead Drive::ahead(const DriveSettings& s, const double* target, double d
     }
   }
   const Quat turn = normalized(after * exp_quat(off) * conjugate(after));
-  return {turned ? turn : Quat{}, {drift.x, drift.y, 0}};
+  // On layers it goes on as it does.
+  const double up = footing.layers.carry() ? dt * deviation_[2] : 0;
+  return {turned ? turn : Quat{}, {drift.x, drift.y, up}};
 }
 
 // v* with a time constant.
@@ -180,6 +194,8 @@ void Drive::spring_velocity(const DriveSettings& s, int k, double h, const doubl
                             double* v) const {
   const double tau = s.time_constant, sc = scale(s, h);
   for (int i = 0; i < 3; i++) v[i] = v_ref_[i] + deviation_[i] / sc;
+  if (footing.layers.carry())
+    v[2] = v_ref_[2] + elementary::exp(-tuning::footing::kLayerDamping * h) * deviation_[2];
   for (int i = 0; i < ball_count(); i++) {
     const Ball& b = balls()[i];
     const Quat ref = motion.before(b) * exp_quat((k * h) * load3(&v_ref_[b.dof]));

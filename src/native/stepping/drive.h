@@ -95,7 +95,7 @@ class Drive : public PersonDofs {
   void aim(const DriveSettings& s, const double* target, double dt, const double* qpos);
   // What becomes of the root in a frame that is about to be aimed at `target`, if nothing is in the way: how
   // it will be turned off the motion (in the world), and how far what is left of a push will carry it along
-  // the ground [m].
+  // the ground, and up where soft layers carry it [m].
   struct Ahead {
     Quat turned;
     Vec3 drift;

@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "stepping/layer_load.h"
 #include "tuning.h"
 
 namespace hp {
@@ -69,6 +70,7 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
   paths_.travel(system, data_);
   Aiming::end(system, data_.result);
   StandingLoad::end_frame(system, data_.result, dt);
+  end_layer_frame(system, data_.result, dt);
 }
 
 // Steps busy trees, while free ones stand at the start of their paths. If busy trees get farther

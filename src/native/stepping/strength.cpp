@@ -1,5 +1,6 @@
 #include "stepping/strength.h"
 
+#include "stepping/layer_load.h"
 #include "tuning.h"
 
 namespace hp {
@@ -153,6 +154,8 @@ bool StrengthLimits::exertion(const System& system, Data& data, size_t person,
   if (changes) {
     data.inertia.compose(system, data.state);
     for (int i = first; touched && i < end; i++) change_[i] -= s * pushed_[i];
+    // Its own weight is no force of the drive.
+    change_[first + 2] += d.scale(system.drive_settings, h) * layer_fall(system, d, h);
     data.inertia.multiply(system, d, change_.data(), exerted_.data());
   }
   for (int i = first; system.carries(d) && i < end; i++) exerted_[i] += h * load_.force()[i];
@@ -189,6 +192,7 @@ bool StrengthLimits::share_out(const System& system, Data& data, size_t person, 
   } else {
     d.unhindered(pushed_.data());
     for (int i = first; i < end; i++) pushed_[i] = v_star_[i] - pushed_[i];
+    pushed_[first + 2] += layer_fall(system, d, h);
     data.inertia.multiply(system, d, pushed_.data(), change_.data());
     if (system.carries(d))
       for (int i = first; i < end; i++) change_[i] += h * load_.force()[i];

@@ -1,7 +1,7 @@
 #include "stepping/substep.h"
 
 #include "stepping/exit_motion.h"
-
+#include "stepping/layer_load.h"
 #include "stepping/sleeping.h"
 #include "tuning.h"
 
@@ -58,7 +58,8 @@ void Substep::free_velocity(int k, double h) {
   if (step.host_v_free) {
     for (int i = 0; i < system_.model.nv; i++)
       if (!system_.is_person(system_.model.dof_body[i])) step.v_free[i] = step.host_v_free[i];
-    return strength_.limit(system_, data_, h);
+    strength_.limit(system_, data_, h);
+    return add_layer_load(system_, data_, h);
   }
   standing_.wake(system_, data_);
   load_.find(system_, data_.state, h);
@@ -68,6 +69,7 @@ void Substep::free_velocity(int k, double h) {
   object_velocity(system_, data_.state, step, h);
   data_.soft.ease_gravity(system_, data_, h);
   standing_.add(system_, data_, h);
+  add_layer_load(system_, data_, h);
   hold_asleep(system_, step);
   kinematic_.set_velocity(system_.model, data_.state, step, h);
 }

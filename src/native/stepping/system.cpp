@@ -1,5 +1,6 @@
 #include "stepping/system.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace hp {
@@ -23,6 +24,11 @@ void System::finish(const std::vector<int>& person_roots) {
     m.finish();
   }
   soft.finish(world);
+  for (size_t i = 0; i < world.statics.size(); i++)
+    world.statics[i].layer = soft.layer_of_static((int)i).thickness;
+  for (size_t i = 0; i < world.shapes.size(); i++)
+    world.shapes[i].layer =
+        std::max(soft.layer_of_shape((int)i).thickness, soft.samples_of((int)i).thickest);
   find_joint_reach();
   world.standing.assign(model.nbody, 0);
   world.asleep.assign(model.nbody, 0);

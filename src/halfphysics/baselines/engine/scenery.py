@@ -59,8 +59,15 @@ def add_scene(
         HalfPhysicsWarning: How static meshes that are not convex touch.
 
     Raises:
-        InputError: A static mesh that cannot be cut.
+        InputError: A static mesh that cannot be cut, or something soft.
     """
+    items: list[Any] = [*scene.statics.values(), *scene.objects.values()]
+    for item in items:
+        if item.soft is not None:
+            raise InputError(
+                f"{item.name!r} is soft; this baseline runs in another engine, which has hard "
+                "things only. Leave out soft, or simulate with halfphysics.Settings"
+            )
     made = _Scenery(spec, scene, people)
     for static in scene.statics.values():
         made.add_static(static, None if hulls is None else hulls.get(static.name))

@@ -15,12 +15,17 @@ CLOTH = 0.6
 
 
 def block(
-    scene: Scene, name: str, low: ArrayLike, high: ArrayLike, friction: float = stage.WOOD
+    scene: Scene,
+    name: str,
+    low: ArrayLike,
+    high: ArrayLike,
+    friction: float = stage.WOOD,
+    soft: str | None = None,
 ) -> None:
-    """Add a static box between two corners (3,) [m]."""
+    """Add a static box between two corners (3,) [m], of a soft material (`hp.Soft.named`) or hard."""
     low, high = np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
     size = tuple(float(x) for x in high - low)
-    scene.add_static(name, Box(size), position=0.5 * (low + high), friction=friction)
+    scene.add_static(name, Box(size), position=0.5 * (low + high), friction=friction, soft=soft)
 
 
 def table(

@@ -78,7 +78,34 @@ def build(
             raise InputError(f"{name}: found {value!r}, expected {least:g} to {most:g} s")
     if not 0.0 <= squeeze <= 0.1:
         raise InputError(f"squeeze: found {squeeze!r}, expected 0 to 0.1 m")
-    actor = stage.actor(body)
+    return carried(
+        Carried("suitcase", mass, friction), fps, squeeze, (carry, shake), stage.actor(body)
+    )
+
+
+@dataclass(frozen=True)
+class Carried:
+    """What is carried: its name, mass [kg], friction and the material of its sides (None: hard)."""
+
+    name: str
+    mass: float
+    friction: float
+    soft: str | None = None
+
+
+def carried(
+    thing: Carried, fps: float, squeeze: float, times: tuple[float, float], actor: Body
+) -> Sequence:
+    """A person who lifts, carries and shakes a thing of the suitcase's size.
+
+    Args:
+        thing: What it is.
+        fps: Frames per second.
+        squeeze: How far inside the sides the palms want to be [m].
+        times: How long it is carried, at least 1, and shaken [s].
+        actor: The person.
+    """
+    carry, shake = times
     after = 2.0 * _PAUSE + shake
     # The first and the last of the steps are short ones: of n steps n - 1 go the distance.
     strides = max(2.0, carry * np.sqrt(_SPEED / WALK_RATIO) - 1.0)
@@ -88,14 +115,21 @@ def build(
     plan = Walk(distance=distance, speed=_SPEED, start=start, before=after, after=WALK)
     base = walk(actor, plan, fps)
     base = base.with_frames(base.translation[::-1], base.rotations[::-1])
-    times = np.arange(len(base)) / base.fps
+    clock = np.arange(len(base)) / base.fps
     stands = base.duration - after
-    motion = _carrying(actor, base, Wrists(times, stands, shake, squeeze))
+    motion = _carrying(actor, base, Wrists(clock, stands, shake, squeeze))
     scene = stage.floor()
     pelvis = actor.joints(base[0])[0]
     at = np.array([pelvis[0] + _TAKEN + _palm(actor)[0], 0.0, STOOL[2] + 0.5 * SIZE[2]])
     scene.add_static("stool", Box(STOOL), position=(at[0], at[1], 0.5 * STOOL[2]))
-    scene.add_object("suitcase", Box(SIZE), mass=mass, friction=friction, position=at)
+    scene.add_object(
+        thing.name,
+        Box(SIZE),
+        mass=thing.mass,
+        friction=thing.friction,
+        position=at,
+        soft=thing.soft,
+    )
     return Sequence(motion, scene, actor)
 
 

@@ -20,12 +20,19 @@ _EDGE, _DEPTH, _WIDTH, _TOP, _THICK = -0.17, 1.4, 2.0, 0.48, 0.24
 _FINGERS = (-0.34, 0.94, 0.0)
 
 
-def build(*, fps: float = 30.0, sink: float = 0.07, body: Body | None = None) -> Sequence:
+def build(
+    *,
+    fps: float = 30.0,
+    sink: float = 0.07,
+    soft: str | None = None,
+    body: Body | None = None,
+) -> Sequence:
     """A person sits down on a bed's edge, slides in and lays the legs on its mattress, a mesh.
 
     Args:
         fps: Frames per second.
         sink: How far into the mattress the motion goes [m].
+        soft: Material of the mattress, such as "mattress"; None: it is hard.
         body: The person's body; None: the default body, whose size the bed has.
     """
     actor = stage.actor(body)
@@ -41,6 +48,7 @@ def build(*, fps: float = 30.0, sink: float = 0.07, body: Body | None = None) ->
         cushion((_DEPTH, _WIDTH, _THICK)),
         position=(_EDGE - 0.5 * _DEPTH, 0.0, _TOP - 0.5 * _THICK),
         friction=CLOTH,
+        soft=soft,
     )
 
     act = Act(actor)

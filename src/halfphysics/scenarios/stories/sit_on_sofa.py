@@ -20,19 +20,32 @@ _SEAT, _FRONT, _REST, _HALF = 0.44, -0.16, -0.68, 0.75
 _RESTS, _AHEAD = 0.02, 0.045
 
 
-def build(*, fps: float = 30.0, sink: float = 0.08, body: Body | None = None) -> Sequence:
+#: When a person who stands up again begins to, is over the feet, and stands [s].
+_RISES, _OVER, _STANDS = 4.8, 5.6, 7.6
+
+
+def build(
+    *,
+    fps: float = 30.0,
+    sink: float = 0.08,
+    soft: str | None = None,
+    rise: bool = False,
+    body: Body | None = None,
+) -> Sequence:
     """A person sits down on a sofa, sinks into its seat and leans back into its rest.
 
     Args:
         fps: Frames per second.
         sink: How far into the seat the motion goes [m], before it comes to rest.
+        soft: Material of seat and rest, such as "sofa"; None: they are hard.
+        rise: Whether the person stands up again.
         body: The person's body; None: the default body, whose size the sofa has.
     """
     actor = stage.actor(body)
     scene = stage.floor()
     out = _HALF + 0.16
-    block(scene, "seat", (_REST, -_HALF, 0.08), (_FRONT, _HALF, _SEAT), CLOTH)
-    block(scene, "rest", (_REST - 0.2, -out, 0.08), (_REST, out, 0.86), CLOTH)
+    block(scene, "seat", (_REST, -_HALF, 0.08), (_FRONT, _HALF, _SEAT), CLOTH, soft)
+    block(scene, "rest", (_REST - 0.2, -out, 0.08), (_REST, out, 0.86), CLOTH, soft)
     for side, low, high in (("left", _HALF, out), ("right", -out, -_HALF)):
         block(scene, f"{side}_arm", (_REST, low, 0.08), (_FRONT, high, 0.62), CLOTH)
 
@@ -47,4 +60,12 @@ def build(*, fps: float = 30.0, sink: float = 0.08, body: Body | None = None) ->
     act.move(2.1, 1.1, turn=(0.0, -22.0, 0.0), bend=(2.0, 0.0, 0.0), nod=18.0)
     act.move(3.1, 1.0, pelvis=(-0.50 + _AHEAD, 0.0, sat - _RESTS))
     act.move(2.2, 1.2, **act.both(arm=(0.26, 0.16, -0.36)))
-    return Sequence(act.motion(4.6, fps), scene, actor)
+    if not rise:
+        return Sequence(act.motion(4.6, fps), scene, actor)
+    # Ahead until the centre of mass is over the feet, then up.
+    act.move(_RISES, 1.0, turn=(0.0, 44.0, 0.0), bend=(26.0, 0.0, 0.0), nod=-16.0)
+    act.move(_RISES, 1.0, **act.both(arm=(0.36, 0.10, -0.28)), pelvis=(-0.40, 0.0, sat - _RESTS))
+    act.move(_OVER, 1.3, pelvis=(0.0, 0.0, act.standing))
+    act.move(_OVER + 0.3, 1.2, turn=(0.0, 2.0, 0.0), bend=(0.0, 0.0, 0.0), nod=0.0)
+    act.move(_OVER + 0.3, 1.2, **act.both(arm=(0.10, 0.12, -0.47)))
+    return Sequence(act.motion(_STANDS, fps), scene, actor)

@@ -21,17 +21,24 @@ _TOP, _FOOT, _HEAD, _HALF = 0.45, 1.05, -1.05, 0.8
 _RESTS, _LIES, _BENDS, _FEET = 0.02, -91.0, -3.0, 0.06
 
 
-def build(*, fps: float = 30.0, sink: float = 0.05, body: Body | None = None) -> Sequence:
+def build(
+    *,
+    fps: float = 30.0,
+    sink: float = 0.05,
+    soft: str | None = None,
+    body: Body | None = None,
+) -> Sequence:
     """A person lies on a bed and stretches arms and legs, the hands through its head board.
 
     Args:
         fps: Frames per second.
         sink: How far into the mattress the motion goes [m], before it comes to rest.
+        soft: Material of the mattress, such as "mattress"; None: it is hard.
         body: The person's body; None: the default body, whose size the bed has.
     """
     actor = stage.actor(body)
     scene = stage.floor()
-    block(scene, "mattress", (_HEAD, -_HALF, 0.15), (_FOOT, _HALF, _TOP), CLOTH)
+    block(scene, "mattress", (_HEAD, -_HALF, 0.15), (_FOOT, _HALF, _TOP), CLOTH, soft)
     block(scene, "headboard", (_HEAD - 0.2, -_HALF, 0.0), (_HEAD, _HALF, _TOP + 0.45))
 
     act = Act(actor)

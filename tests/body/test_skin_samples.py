@@ -1,0 +1,54 @@
+"""Samples of the skin: areas sum to the skin's, and they lie as far apart as they should."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import halfphysics as hp
+from halfphysics.body.skin_samples import FINE, PITCH, skin_samples, vertex_areas
+from halfphysics.motion.skeleton import JOINT_INDEX
+
+
+@pytest.fixture(scope="module")
+def body():
+    return hp.Body.default()
+
+
+@pytest.fixture(scope="module")
+def samples(body):
+    return skin_samples(body)
+
+
+def test_areas_sum_to_the_skin_of_every_part(body, samples):
+    area, _ = vertex_areas(body.rest_vertices, body.faces)
+    own = np.bincount(body.weights.argmax(axis=1), area, 55)
+    assert np.bincount(samples.part, samples.area, 55) == pytest.approx(own, rel=1e-12)
+    assert area.sum() == pytest.approx(1.78, abs=0.02)  # of 1.73 m and 62 litres
+
+
+def test_samples_are_vertices_that_the_hulls_have(body, samples):
+    assert np.isin(samples.vertex, body.skin_corners.vertex).all()
+    assert len(np.unique(samples.vertex)) == len(samples)
+
+
+def test_neighbours_are_one_to_two_pitches_apart(samples):
+    own = samples.area[samples.part == JOINT_INDEX["left_hip"]]
+    assert PITCH < np.sqrt(np.median(own)) < 2.0 * PITCH
+    assert own.max() < (4.0 * PITCH) ** 2
+    sole = samples.area[samples.part == JOINT_INDEX["left_ankle"]]
+    assert FINE < np.sqrt(np.median(sole)) < 2.0 * FINE  # as the skin's own vertices
+
+
+def test_normals_point_outward(body, samples):
+    assert np.linalg.norm(samples.normal, axis=1) == pytest.approx(1.0)
+    seat = samples.part == JOINT_INDEX["left_hip"]
+    away = body.rest_vertices[samples.vertex[seat]] - body.rest_joints[JOINT_INDEX["left_hip"]]
+    away[:, 1] = 0.0  # around the thigh, which hangs down at rest
+    assert (np.einsum("ij,ij->i", away, samples.normal[seat]) > 0.0).mean() > 0.9
+
+
+def test_they_are_made_once_per_body_and_the_same_every_time(body, samples):
+    assert skin_samples(body) is samples
+    again = skin_samples(hp.Body.default(betas=np.zeros(10)))
+    assert np.array_equal(again.vertex, samples.vertex)

@@ -1,0 +1,148 @@
+"""Who rests on soft layers sinks until they carry what nothing else does."""
+
+import functools
+
+import numpy as np
+import pytest
+
+import halfphysics as hp
+from halfphysics import scenarios
+from halfphysics.motion.skeleton import JOINT_INDEX
+
+BODY = hp.Body.default()
+#: Pressures at rest miss the weight by so much of it.
+MISSES = 0.01
+#: Sink and pose at rest by frame rate and substeps: share of the sink, and of a millimetre [m].
+SAME_SHARE, SAME = 0.02, 1e-3
+
+
+def standing(frames=75, fps=30.0, at=0.0):
+    """Somebody who stands upright with bent knees, the soles at a height [m]."""
+    rotations = np.zeros((frames, 55, 3))
+    rotations[:, 0] = [np.pi / 2, 0.0, 0.0]
+    for side in ("left", "right"):
+        for joint, bend in (("hip", -0.25), ("knee", 0.5), ("ankle", -0.25)):
+            rotations[:, JOINT_INDEX[f"{side}_{joint}"], 0] = bend
+    motion = hp.Motion(np.zeros((frames, 3)), rotations, fps)
+    low = BODY.vertices(motion[0])[:, 2].min()
+    return motion.with_frames(motion.translation + np.array([0.0, 0.0, at - low]), rotations)
+
+
+def lying(frames=75, fps=30.0, at=0.0):
+    """Somebody who lies on the back, arms beside the body, the lowest point at a height [m]."""
+    rotations = np.zeros((frames, 55, 3))
+    turn = hp_rotvec(np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]))
+    rotations[:, 0] = turn
+    for side, sign in (("left", -1.0), ("right", 1.0)):
+        rotations[:, JOINT_INDEX[f"{side}_shoulder"], 2] = 1.1 * sign
+    motion = hp.Motion(np.zeros((frames, 3)), rotations, fps)
+    low = BODY.vertices(motion[0])[:, 2].min()
+    return motion.with_frames(motion.translation + np.array([0.0, 0.0, at - low]), rotations)
+
+
+def hp_rotvec(matrix):
+    from halfphysics.base import rotations as rot
+
+    return rot.matrix_to_rotvec(matrix)
+
+
+def bed(soft="mattress", top=0.4):
+    scene = hp.Scene()
+    scene.add_static("floor", hp.Plane())
+    scene.add_static(
+        "bed", hp.Box((2.4, 2.4, 0.3)), position=(0.0, 0.0, top - 0.15), friction=0.6, soft=soft
+    )
+    return scene
+
+
+def weight(body=BODY):
+    return body.mass * 9.81
+
+
+def pressed(result, name, frames=15):
+    """Mean upward force of a thing on the first person in the last frames [N]."""
+    contacts = result.contacts
+    some = contacts[(contacts.other == result.names.index(name)) & (contacts.subject < 0)]
+    last = some.frame >= len(result) - frames
+    return some.impulse[last, 2].sum() * result.fps / frames
+
+
+@functools.cache
+def rests(kind, soft, fps=30.0, substeps=None, shift=0.0):
+    make = standing if kind == "stands" else lying
+    motion = make(frames=round(2.5 * fps), fps=fps, at=0.4 + shift)
+    settings = hp.Settings(substeps=substeps)
+    return hp.simulate(motion, bed(soft), body=BODY, settings=settings)
+
+
+def sink(result):
+    """How far the lowest skin is below the unloaded surface at the end [m]."""
+    return 0.4 - BODY.vertices(result.motion[-1])[:, 2].min()
+
+
+@pytest.mark.parametrize("kind", ["stands", "lies"])
+@pytest.mark.parametrize("soft", ["mattress", "mat"])
+def test_the_pressures_of_a_layer_sum_to_the_weight(kind, soft):
+    result = rests(kind, soft)
+    assert pressed(result, "bed") == pytest.approx(weight(), rel=MISSES)
+    assert sink(result) > 0.0
+
+
+@pytest.mark.parametrize("shift", [-0.03, 0.03])
+def test_clips_that_float_or_are_sunk_come_to_rest_at_the_same_height(shift):
+    here, there = rests("lies", "mattress"), rests("lies", "mattress", shift=shift)
+    assert pressed(there, "bed") == pytest.approx(weight(), rel=MISSES)
+    assert sink(there) == pytest.approx(sink(here), abs=SAME)
+
+
+@pytest.mark.parametrize(("fps", "substeps"), [(60.0, None), (120.0, None), (30.0, 16), (30.0, 4)])
+@pytest.mark.parametrize("kind", ["stands", "lies"])
+def test_sink_and_pose_do_not_depend_on_frame_rate_and_substeps(kind, fps, substeps):
+    here, there = rests(kind, "mattress"), rests(kind, "mattress", fps=fps, substeps=substeps)
+    assert sink(there) == pytest.approx(sink(here), rel=SAME_SHARE)
+    away = BODY.joints(there.motion[-1]) - BODY.joints(here.motion[-1])
+    assert np.abs(away[:22]).max() < 2.0 * SAME
+
+
+def test_feet_sink_in_a_mattress_and_neither_curl_nor_drift():
+    result = rests("stands", "mattress")
+    toes = [JOINT_INDEX["left_foot"], JOINT_INDEX["right_foot"]]
+    assert np.degrees(np.abs(result.motion.rotations[:, toes])).max() < 12.0
+    ankle = BODY.joints(result.motion)[:, JOINT_INDEX["left_ankle"]]
+    assert np.linalg.norm((ankle[-1] - ankle[-31])[:2]) < SAME
+    assert sink(result) > 0.02
+
+
+def test_support_has_what_the_layer_carries():
+    result = rests("lies", "mattress")
+    support = result.people[0].support
+    force, centre = support.surface("bed")
+    assert force[-20:-5, 2].mean() == pytest.approx(support.weight, rel=MISSES)
+    assert support.weight_percent[-20:-5].mean() == pytest.approx(100.0, abs=100.0 * MISSES)
+    assert not support.unsupported[-20:-5].any()
+    off = (centre - support.com)[-20:-5, :2].mean(axis=0)
+    assert np.abs(off).max() < 0.06
+
+
+@functools.cache
+def sofa(rise=False, soft="sofa"):
+    story = scenarios.load("sit_on_sofa", soft=soft, rise=rise)
+    return story, hp.simulate(story.motion, story.scene, body=story.body, settings=story.settings)
+
+
+def test_who_sits_on_a_sofa_is_carried_by_seat_rest_and_feet():
+    story, result = sofa()
+    support = result.people[0].support
+    assert support.weight_percent[-20:-5].mean() == pytest.approx(100.0, abs=100.0 * MISSES)
+    seat = support.surface("seat")[0][-20:-5, 2].mean()
+    feet = support.surface("floor")[0][-20:-5, 2].mean()
+    assert 0.6 * support.weight < seat < 0.95 * support.weight
+    assert 0.05 * support.weight < feet
+    floor = story.body.vertices(result.motion[-1])[:, 2].min()
+    assert floor < 0.01
+
+
+def test_who_stands_up_from_a_sofa_is_back_on_the_path():
+    story, result = sofa(rise=True)
+    pelvis = [story.body.joints(m[-1])[0] for m in (story.motion, result.motion)]
+    assert np.abs(pelvis[0] - pelvis[1]).max() < 0.02

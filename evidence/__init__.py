@@ -36,6 +36,7 @@ KEYS = (
     "figures6and7",
     "figure8",
     "defaults",
+    "pressures",
     "speed",
 )
 

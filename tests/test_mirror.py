@@ -13,6 +13,7 @@ OTHERS = {
     "examples": "mirrors examples/ at the root",
     "js": "mirrors js/ at the root: packages for browsers and node",
     "native": "mirrors src/native",
+    "soft": "judges of soft layers through the public API, by closed forms and foreign code",
     "support": "mirrors src/halfphysics/support, and tests of what the tests share",
     "tools": "mirrors tools/ at the root",
 }

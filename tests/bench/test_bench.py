@@ -41,6 +41,8 @@ SETTINGS = {
     "lift": 2,
     "glass": 2,
     "sofa": 2,
+    "soft-seat": 1,
+    "soft-bed": 1,
     "lean": 8,
     "settle": 4,
     "tree": 4,
@@ -63,6 +65,7 @@ SETTINGS = {
 }
 SWEEPS = {"sweep", "sweep-parts", "sweep-memory"}
 WHOLE = {"setup", "clip", "batch"}
+SOFT = {"soft-seat", "soft-bed"}
 ALONE = {
     "envs",
     "hosted-worlds",
@@ -72,11 +75,13 @@ ALONE = {
     "skinning",
     *WHOLE,
     *SWEEPS,
+    *SOFT,
 }  # no parts beside the skin
 PRESSED = ("grasp", "lift", "glass", "sofa", "lean", "settle")
 WITH_PEER = {
     *("free", "live", "stepper", "wall", "near", "sweep", "sweep-parts", "hosted", "hosted-worlds"),
     *WHOLE,
+    *SOFT,
     *PRESSED,
 }
 
@@ -189,6 +194,14 @@ def test_what_presses_touches_and_does_not_go_in(measured):
         assert max(r["checks"]["skin inside [mm]"][1] for r in records) > 0.5
         assert max(r["checks"]["parts inside [mm]"][1] for r in records) > 1.0
         assert {r["setting"].split(",")[-2] for r in records} == {" paper", " drive_time"}
+
+
+def test_what_is_soft_is_pressed(measured):
+    """In every frame of the short clips, and by a good part of the weight at their ends."""
+    for record in [r for r in measured["records"] if r["case"] in SOFT]:
+        assert record["checks"]["frames pressed"][0] > 0.5 * record["frames"]
+        assert record["checks"]["load at the end [N]"][0] > 100.0
+        assert record["checks"]["time lost [ms]"][0] == 0.0
 
 
 def test_skin_and_parts_are_told_apart():

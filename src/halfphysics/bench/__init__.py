@@ -69,6 +69,18 @@ CASES: Mapping[str, tuple[str, str, str]] = MappingProxyType(
             "sofa",
             "sitting down on a sofa of boxes and rocking on it, N=8. Baseline: the same loop",
         ),
+        "soft-seat": (
+            "soft",
+            "seat",
+            "the scenario sit_on_sofa with a seat and a rest of foam, N=8. "
+            "Baseline: ours on the same sofa, hard",
+        ),
+        "soft-bed": (
+            "soft",
+            "bed",
+            "the scenario stretch_on_bed on a mattress of foam, N=8. "
+            "Baseline: ours on the same bed, hard",
+        ),
         "lean": (
             "lean",
             "lean",

@@ -66,7 +66,7 @@ void find_axes(const SoftPair& pair, const std::vector<int>& patch, int index, R
   for (size_t i = 0; i < pair.near.size(); i++) {
     if (patch[i] != index) continue;
     const double share = yield_of(pair.near[i], rule, h) / p.yield;
-    const Vec3 r = pair.near[i].x - p.centre;
+    const Vec3 r = pair.near[i].y - p.centre;
     const double u = dot(r, t), v = dot(r, b);
     tt += share * u * u, tb += share * u * v, bb += share * v * v;
   }
@@ -101,7 +101,7 @@ bool find_patch(const SoftPair& pair, const std::vector<int>& patch, int index, 
     const NearSample& s = pair.near[i];
     const double q = impulse_of(s, rule, h) * dot(s.n, p.n), yield = yield_of(s, rule, h);
     along += q, p.yield += yield;
-    p.loaded += q * s.x, p.centre += yield * s.x;
+    p.loaded += q * s.y, p.centre += yield * s.y;
   }
   if (!(along > 0) || !(p.yield > 0)) return false;
   p.loaded = (1 / along) * p.loaded;
@@ -146,9 +146,9 @@ PairImpulse total_impulse(const SoftPair& pair, Rule rule, double h, Vec3 about)
     if (s.pressure <= 0) continue;
     const double q = impulse_of(s, rule, h);
     sum.force += q * s.n;
-    sum.moment += q * cross(s.x - about, s.n);
+    sum.moment += q * cross(s.y - about, s.n);
     sum.size += q;
-    sum.lever += q * norm(s.x - about);
+    sum.lever += q * norm(s.y - about);
   }
   if (sum.size > 0) sum.lever /= sum.size;
   return sum;

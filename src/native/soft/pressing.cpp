@@ -55,8 +55,9 @@ bool look(const SamplePoses& poses, const FrameDistance& frame, const SurfaceSam
   if (poses.turns() || norm2(s.normal) == 0) s.normal = poses.normal(s.sample);
   const double facing = -dot(s.normal, p.n), cosine = std::clamp(facing, 0.0, 1.0);
   if (facing < tune::kFacesAway) return false;
-  s.x = x, s.n = p.n, s.at = p.at, s.triangle = p.triangle;
-  s.thickness = p.thickness + s.own;
+  // What presses is the point of the unloaded surface above the hard point.
+  s.x = s.y = x + s.own * s.normal, s.n = p.n, s.at = p.at, s.triangle = p.triangle;
+  s.thickness = p.thickness + s.own * cosine;
   s.depth = s.thickness - p.distance;
   s.edge = spread(area, cosine);
   s.area = area * cosine;
@@ -90,10 +91,14 @@ void find_near(const CollisionWorld& world, const SoftWorld& soft, const FoamCel
     if (!look(poses, frame, samples, within, s)) continue;
     s.law = in_series(frame.layer().law, samples.layers.empty() ? own : layer.law);
     if (s.law.stiffness <= 0) continue;  // both are hard here
-    s.before = s.depth;
+    s.before = s.depth, s.first = s.x;
     if (s.law.arm > 0) s.gone = cells.gone(place.layer, place.local(s.at), s.law);
     pair.near.push_back(s);
   }
+}
+
+void act_between(Vec3 from, Vec3 to, SoftPair& pair) {
+  for (NearSample& s : pair.near) s.y = 0.5 * (s.x + s.first + (to - from));
 }
 
 bool find_depths(const CollisionWorld& world, const SoftWorld& soft, Poses& end, SoftPair& pair) {
@@ -159,6 +164,13 @@ void press_by_mean(const Spread& at, double h, NearSample& s) {
 }
 
 }  // namespace
+
+PressedPart pressed_part(const NearSample& s) {
+  // Within a step the pressed part shrinks: its pressure is that of the larger.
+  const double share = (std::max(s.depth, s.before) + s.edge) / (2 * s.edge);
+  if (!(share > 0 && share < 1)) return {1, s.depth};
+  return {share, 0.5 * std::max(0.0, s.depth + s.edge)};
+}
 
 void remember(const CollisionWorld& world, const Poses& end, double h, const SoftPair& pair,
               FoamCells& cells) {

@@ -33,11 +33,13 @@ struct NearSample {
   Vec3 normal;             // of a skin: outward, at the start of the step
   double own = 0;          // thickness of the sample's own layer [m]
   double before = -1e300;  // depth at the start of the step [m]
+  Vec3 first;              // x at the start of the step
   double gone = 0;         // q of the Maxwell arm at the start of the step [m]
   int triangle = -1;
   // At the pose looked at last:
   Vec3 x, n;  // of the hard point; from the layer outward, unit
   Vec3 at;    // nearest point of the frame
+  Vec3 y;     // where its impulse acts: x; with Rule::Mean between the poses at start and end
   double depth = -1e300, edge = 0, thickness = 0;  // d, e and both layers [m]
   double area = 0;                                 // as the layer sees it [m^2]
   // Of the step that ends there:
@@ -91,6 +93,17 @@ void find_near(const CollisionWorld& world, const SoftWorld& soft, const FoamCel
                Poses& start, double reach, SoftPair& pair);
 // The depths at an end pose. False if no sample is pressed there.
 bool find_depths(const CollisionWorld& world, const SoftWorld& soft, Poses& end, SoftPair& pair);
+// Where impulses act if the shape turns: at the means of the places about its middle at the start and
+// at the end, `from` and `to`. The way along the layer that a turn makes is then that of the velocity
+// there, and the work of the pressures is the energy of the springs; places of one end alone would give a
+// turning thing h/2 of the pressure's work too much.
+void act_between(Vec3 from, Vec3 to, SoftPair& pair);
+// The part of a sample's piece that is pressed at the end pose: its share of the area, and its mean
+// depth [m].
+struct PressedPart {
+  double share = 1, depth = 0;
+};
+PressedPart pressed_part(const NearSample& s);
 // The pressures of a step of length h [s] that ends there.
 void find_pressures(Rule rule, double h, SoftPair& pair);
 // That step has been made, to that pose: what foam remembers of it.

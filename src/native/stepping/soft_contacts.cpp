@@ -192,12 +192,13 @@ void SoftContacts::look(const System& system, Data& data, double h) {
     if (!island.open()) continue;
     SoftPair& pair = pairs_[e.pair];
     find_depths(system.world, system.soft, end, pair);
+    const Vec3 from = middle(system, start, pair), to = middle(system, end, pair);
+    if (rule(data, e.candidate) == Rule::Mean) act_between(from, to, pair);
     find_pressures(rule(data, e.candidate), h, pair);
     data.budget.spend(tune::kSampleWork * (double)pair.near.size());
-    const PairImpulse now =
-        total_impulse(pair, rule(data, e.candidate), h, middle(system, end, pair));
+    const PairImpulse now = total_impulse(pair, rule(data, e.candidate), h, to);
     // The rows lie where the layer was when they were made.
-    const PairImpulse was = applied(e.candidate, middle(system, start, pair));
+    const PairImpulse was = applied(e.candidate, from);
     const double size = std::max(now.size, was.size);
     const bool free = rule(data, e.candidate) == Rule::Mean;
     const double share = free ? tune::kRightShare : tune::kRightShareDriven;
@@ -338,9 +339,10 @@ void SoftContacts::record_points(const System& system, Data& data, const Entry& 
   const SoftPair& pair = pairs_[entry.pair];
   for (const NearSample& s : pair.near) {
     if (!(s.pressure > 0)) continue;
+    const PressedPart part = pressed_part(s);
     data.result.soft.push_back({pair.other_static, pair.other_shape, pair.shape,
-                                system.soft.number(pair.shape, s.sample), s.x, s.n, s.depth,
-                                s.pressure, s.area});
+                                system.soft.number(pair.shape, s.sample), s.x, s.n, part.depth,
+                                s.pressure / part.share, s.area * part.share});
   }
 }
 

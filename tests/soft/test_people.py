@@ -1,0 +1,124 @@
+"""People who lie and sit on foam: what carries them, at every rate."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import halfphysics as hp
+from evidence.interface_pressures import LEAST
+from evidence.runs.lying import lying, sitting
+from halfphysics import scenarios
+from halfphysics.bench.clips import body as bench_body
+from halfphysics.bench.soft import BED, SEAT, softened, story
+from halfphysics.settings import Settings
+from halfphysics.simulation.simulate import simulate
+from support.judges.skin_judge import SkinJudge
+from support.people import along_x
+from support.soft.frames import hard
+from support.soft.skin_pressure import pressed
+
+pytestmark = pytest.mark.slow
+
+#: Frame rates and substeps a frame.
+STEPS = [(30, 4), (30, 8), (30, 16), (60, 4), (60, 8), (120, 4)]
+
+
+def played(what, fps=30.0, substeps=8, **settings):
+    told = story(what)
+    motion = told.motions[0]
+    motion = motion if fps == motion.fps else motion.resample(fps)
+    chosen = Settings(substeps=substeps, **settings)
+    return simulate(motion, told.scene, body=told.bodies[0], settings=chosen)
+
+
+@pytest.fixture(scope="module")
+def in_bed():
+    return {steps: played(BED, *steps) for steps in STEPS}
+
+
+def test_a_mattress_carries_who_lies_on_it(in_bed):
+    share = lying(in_bed[30, 8])["share of the weight"]
+    assert share == pytest.approx(100.0, abs=1.0)
+
+
+@pytest.mark.parametrize("steps", STEPS, ids=str)
+def test_who_lies_sinks_as_deep_at_every_rate(in_bed, steps):
+    """Depth of the pelvis in the mattress and the final pose within 2 %."""
+    finest = in_bed[30, 16]
+    result, body = in_bed[steps], in_bed[steps].people[0].body
+    ends = [body.joints(r.motion[-1:])[0] for r in (result, finest)]
+    top = 0.45
+    skin = [body.vertices(r.motion[-1:])[0][:, 2].min() for r in (result, finest)]
+    assert top - skin[0] == pytest.approx(top - skin[1], rel=0.02)
+    assert np.linalg.norm(ends[0] - ends[1], axis=1).max() < 0.02 * body.stature / 4.0
+
+
+def test_the_pressures_are_those_of_the_skin_where_it_is():
+    """Load, area, peak and centre of pressure, by the triangles of the skin in the last pose."""
+    stiffness = 6e4
+    layer = hp.Soft(thickness=0.18, stiffness=stiffness, law="linear")
+    told = scenarios.load("stretch_on_bed", body=bench_body())
+    scene = softened(told.scene, {"mattress": layer})
+    result = simulate(told.motions[0], scene, body=told.bodies[0], settings=Settings(substeps=8))
+    body = result.people[0].body
+    skin = body.vertices(result.motion[-1:])[0]
+    bed = scene.statics["mattress"]
+    low, high = (bed.position + s * 0.5 * np.asarray(bed.shape.size) for s in (-1.0, 1.0))
+    inside = np.array([low[:2], high[:2]])
+    seen = pressed(skin, body.faces, high[2], inside, stiffness, LEAST)
+    rows = result.soft_contacts
+    last = rows.frame == len(result) - 1
+    pressure, area = rows.pressure[last].astype(float), rows.area[last].astype(float)
+    assert pressure @ area == pytest.approx(seen.load, rel=0.03)
+    assert area[pressure >= LEAST].sum() == pytest.approx(seen.area, rel=0.05)
+    assert pressure.max() == pytest.approx(seen.peak, rel=0.05)
+    centre = (pressure * area) @ rows.position[last][:, :2] / (pressure @ area)
+    np.testing.assert_allclose(centre, seen.centre, atol=0.01)
+
+
+def test_a_sofa_and_the_floor_carry_who_sits():
+    result = played(SEAT)
+    found = sitting(result)
+    person = result.people[0]
+    weight = 9.81 * sum(part.mass for part in person.body.variant.parts)
+    seat = found["share of the weight on seat and rest"]
+    feet = person.support
+    assert 60.0 < seat < 100.0
+    last = feet.force[-5:].sum(axis=1)[:, 2].mean()
+    assert last == pytest.approx(weight, rel=0.01)
+
+
+def test_nobody_enters_the_frame(in_bed):
+    result = in_bed[30, 8]
+    judge = SkinJudge(result.people[0].body, hard(result.scene))
+    assert judge.judge_result(result, every=5, coal_every=10).clear
+
+
+def test_what_a_person_presses_out_of_a_cushion_is_what_the_cushion_feels():
+    """Newton's third law between a person and a free soft thing."""
+    body = hp.Body.default()
+    motion = along_x(0.5, 31, 0.0)
+    x = float(body.vertices(motion, frames=[0])[0][:, 0].max())
+    scene = hp.Scene(gravity=0.0)
+    scene.add_object(
+        "cushion",
+        hp.Box((0.3, 0.6, 0.6)),
+        mass=3.0,
+        position=(x + 0.25, 0.0, 0.0),
+        soft=hp.Soft(thickness=0.08, stiffness=2e4, law="linear"),
+    )
+    settings = Settings(substeps=8, weight=False, root="stay", blocked="continue")
+    simulator = hp.Simulator(scene, body=body, settings=settings)
+    simulator.reset(motion[0])
+    place = simulator.world.objects[0]
+    index, felt = simulator.names.index("cushion"), 0.0
+    before = simulator.world.stepper.qvel()[place.dof : place.dof + 3].copy()
+    for t in range(1, len(motion)):
+        c = simulator.step(motion[t]).contacts
+        after = simulator.world.stepper.qvel()[place.dof : place.dof + 3].copy()
+        pushed = -c.impulse[c.other == index].sum(axis=0)
+        np.testing.assert_allclose(3.0 * (after - before), pushed, atol=1e-9)
+        felt += np.linalg.norm(pushed)
+        before = after
+    assert felt > 0.5

@@ -122,7 +122,7 @@ NATIVE = {
     "dynamics": "math",
     "contact": "math dynamics",
     "collision": "math geometry dynamics contact",
-    "soft": "geometry collision",
+    "soft": "math geometry collision",
     "footing": "math geometry dynamics collision",
     "stepping": "geometry dynamics collision soft footing",
     "assembly": "math geometry dynamics collision stepping",

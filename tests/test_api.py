@@ -99,7 +99,7 @@ PARAMETERS = {
     "bind": "model data humans * settings",
     "step_worlds": "controls poses dt * threads",
     "Result": "* people objects scene names contacts clearance lost_time settings substeps "
-    "diagnostics inside breaches joints",
+    "diagnostics inside breaches joints soft_contacts",
     "Result.save": "self path",
     "Result.load": "path * scene body",
     "Result.summary": "self",

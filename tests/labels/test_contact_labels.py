@@ -135,3 +135,21 @@ def test_what_has_bounced_far_off_by_the_end_of_the_frame_has_no_distance():
     assert np.isposinf(found.arrays()["distance"]).any()
     with pytest.raises(InputError, match="NaN"):
         replace(found, distance=np.full(len(found), np.nan))
+
+
+def test_pressures_on_soft_things_are_among_the_arrays():
+    hard = hp.scenarios.load("sit_on_sofa")
+    scene = hp.Scene()
+    for name, item in hard.scene.statics.items():
+        soft = "sofa" if name == "seat" else None
+        scene.add_static(name, item.shape, position=item.position, soft=soft)
+    result = hp.simulate(hard.motion[40:60], scene, body=hard.body, settings=hard.settings)
+    labels = contact_labels(result)
+    arrays = labels.arrays()
+    rows = result.soft_contacts
+    assert len(rows) > 0
+    assert {k.removeprefix("soft/") for k in arrays if k.startswith("soft/")} == set(rows.columns())
+    assert np.array_equal(arrays["soft/pressure"], rows.pressure)
+    assert (arrays["soft/part"].dtype, arrays["soft/vertex"].dtype) == (np.int8, np.int32)
+    # What presses touches: by its distance from the surface, into which it sinks.
+    assert labels.people[0].scene_parts[rows.frame, rows.part].mean() > 0.95

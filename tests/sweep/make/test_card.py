@@ -19,6 +19,7 @@ from halfphysics.motion.adapted_hold import AdaptedHold
 from halfphysics.motion.motion import Motion
 from halfphysics.results.inside import Inside
 from halfphysics.results.result import ObjectTrack
+from halfphysics.results.soft_contacts import SoftContacts
 from halfphysics.settings import Settings
 from halfphysics.sweep.make.card import Checks, card_of, checks
 from halfphysics.sweep.make.making import Maker
@@ -251,3 +252,26 @@ def test_the_sample_of_a_variant_has_its_card(tmp_path):
     assert sample.card["objects"]["ball"]["travel"] > 1.0
     assert sample.card["drops"] == sample.card["holds"] == 0
     assert maker.sample(0).files == sample.files
+
+
+def test_a_card_has_the_pressures_on_soft_things_or_zeros():
+    assert card(held())["pressure_max"] == card(held())["pressure_area"] == 0.0
+    result = held()
+    box, person = result.names.index("box"), result.names.index(result.people[0].name)
+    rows = SoftContacts(
+        frame=np.array([3, 3]),
+        layer=np.array([box, box]),
+        other=np.array([person, person]),
+        part=np.array([20, 20]),
+        vertex=np.array([5, 6]),
+        position=np.zeros((2, 3)),
+        normal=np.tile([0.0, 0.0, 1.0], (2, 1)),
+        depth=np.full(2, 0.01),
+        pressure=np.array([4e3, 2e3]),
+        area=np.array([1e-4, 3e-4]),
+    )
+    found = card(changed(result, soft_contacts=rows))
+    assert found["pressure_max"] == 4e3
+    assert found["pressure_mean"] == pytest.approx(2.5e3)
+    assert found["pressure_area"] == pytest.approx(4e-4)
+    json.dumps(found, allow_nan=False)

@@ -10,7 +10,7 @@ import pytest
 
 from halfphysics.errors import InputError
 from halfphysics.sweep.make.card import CHECKS
-from halfphysics.sweep.plan.plan import OF_SUPPORT, Inputs, Plan
+from halfphysics.sweep.plan.plan import OF_SOFT, OF_SUPPORT, Inputs, Plan
 from halfphysics.sweep.store.data_card import SPREADS, SUMMED, VALUES, DataCard, counted
 
 VERSIONS = {"halfphysics": "0.1.0", "program": "ab" * 32, "mujoco": "3.3.0", "coacd": None}
@@ -181,6 +181,13 @@ def test_support_is_in_the_card_where_samples_have_it():
     # Cards of a version of the program that did not have it.
     older = {name: value for name, value in sample(1).items() if name not in OF_SUPPORT}
     assert whole([counted([older])]).document()["samples"] == 1
+
+
+def test_pressures_are_on_the_page_where_something_is_soft():
+    soft = whole([counted([sample(n, pressure_max=1e3 * n) for n in range(1, 4)])])
+    assert "| pressure_max [Pa] | 3 |" in soft.markdown()
+    hard = whole([counted([sample(n, **dict.fromkeys(OF_SOFT, 0.0)) for n in range(3)])])
+    assert not any(name in hard.markdown() for name in OF_SOFT)
 
 
 def test_the_page_tells_it_to_a_person():

@@ -106,3 +106,10 @@ def test_all_mistakes_in_one_message() -> None:
 def test_statics_have_no_mass() -> None:
     with pytest.raises(InputError, match="unknown key 'mass'"):
         parse_static("x=sphere:1,mass=1")
+
+
+def test_a_soft_material_is_a_word():
+    assert parse_static("bed=box:2:1:0.4,soft=mattress")[2] == {"soft": "mattress"}
+    assert parse_object("ball=sphere:0.1,mass=1,soft=pillow")[2]["soft"] == "pillow"
+    with pytest.raises(InputError, match="soft: found 'stone', expected sofa or mattress or"):
+        parse_static("bed=box:2:1:0.4,soft=stone")

@@ -101,7 +101,8 @@ class SceneOptions:
     static: Things = ()
     """Static geometry, such as wall=box:0.1:2:2.5,position=1:0:1.25 or room=room.glb. Shapes:
     plane, sphere:R, box:X:Y:Z, capsule:R:L, cylinder:R:L [m] or a mesh file; keys: position,
-    quaternion, friction, restitution, and of meshes scale and up."""
+    quaternion, friction, restitution, soft (sofa, mattress, pillow, mat), and of meshes scale and
+    up."""
     object: Things = ()
     """An object that moves, such as ball=sphere:0.11,mass=0.43,position=1:0:0.11; keys as of
     --static, mass or density, velocity, and of meshes pieces (auto, hull), threshold and

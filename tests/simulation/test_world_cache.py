@@ -214,3 +214,16 @@ def test_gravity(walk):
     simulator = Simulator(earth, settings=how, fps=walk.fps)
     assert use_again(simulator.world, moon, how)
     assert bits(follow(simulator.world, [walk])) == anew(moon, walk)
+
+
+def test_another_layer_or_soft_skin_needs_a_new_world():
+    def scene(soft):
+        made = hp.Scene()
+        made.add_static("floor", hp.Plane(), soft=soft)
+        return made
+
+    world = Simulator(scene("mat"), body=[]).world
+    assert use_again(world, scene("mat"), hp.Settings())
+    assert not use_again(world, scene("sofa"), hp.Settings())
+    assert not use_again(world, scene(None), hp.Settings())
+    assert not use_again(world, scene("mat"), hp.Settings(soft_skin=True))

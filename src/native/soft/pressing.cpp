@@ -81,13 +81,17 @@ void find_near(const CollisionWorld& world, const SoftWorld& soft, const FoamCel
   const SoftLaw own = soft.layer_of_shape(pair.shape).law;
   const double within = pair.thickness + reach + samples.pitch;
   const FoamPlace place = foam_place(world, start, pair);
+  int last = -1;  // neighbours in the list are near each other, mostly
   for (int i = 0; i < samples.size(); i++) {
     NearSample s;
     s.sample = i;
+    s.triangle = last;
     const SoftLayer& layer =
         samples.layers.empty() ? soft.layer_of_shape(pair.shape) : samples.layers[i];
     s.own = layer.thickness;
-    if (!look(poses, frame, samples, within, s)) continue;
+    const bool found = look(poses, frame, samples, within, s);
+    last = s.triangle;
+    if (!found) continue;
     s.law = in_series(frame.layer().law, samples.layers.empty() ? own : layer.law);
     if (s.law.stiffness <= 0) continue;  // both are hard here
     s.before = s.depth;

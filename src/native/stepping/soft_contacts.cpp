@@ -184,6 +184,15 @@ PairImpulse SoftContacts::applied(int candidate, Vec3 about) const {
   return sum;
 }
 
+// Has the step to the end pose been too short to press any sample, by how far the shapes have gone?
+static bool out_of_reach(const System& system, Data& data, const SoftPair& pair) {
+  const std::vector<double>& way = data.step.way(system, data.state);
+  const double went = way[pair.shape] + (pair.other_shape >= 0 ? way[pair.other_shape] : 0) +
+                      system.soft.samples_of(pair.shape).pitch;
+  return std::none_of(pair.near.begin(), pair.near.end(),
+                      [&](const NearSample& s) { return s.before + went > 0; });
+}
+
 void SoftContacts::look(const System& system, Data& data, double h) {
   Attempt& attempt = data.attempt;
   Poses &start = data.state.pose, &end = data.step.end;
@@ -191,9 +200,13 @@ void SoftContacts::look(const System& system, Data& data, double h) {
     IslandProgress& island = attempt.islands[attempt.candidates[e.candidate].island];
     if (!island.open()) continue;
     SoftPair& pair = pairs_[e.pair];
-    find_depths(system.world, system.soft, end, pair);
+    if (out_of_reach(system, data, pair)) {
+      for (NearSample& s : pair.near) s.area = 0;
+    } else {
+      find_depths(system.world, system.soft, end, pair);
+      data.budget.spend(tune::kSampleWork * (double)pair.near.size());
+    }
     find_pressures(rule(data, e.candidate), h, pair);
-    data.budget.spend(tune::kSampleWork * (double)pair.near.size());
     const PairImpulse now =
         total_impulse(pair, rule(data, e.candidate), h, middle(system, end, pair));
     // The rows lie where the layer was when they were made.

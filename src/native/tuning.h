@@ -956,6 +956,9 @@ constexpr double kPressureGain = 1e-4, kLeastPressureStep = 1e-6;
 constexpr double kDips = 5e-3, kDipsShare = 0.25;
 // Layers carry a person from this share of its weight on: what is less is nothing.
 constexpr double kCarryFrom = 1e-4;
+// Who stands on hard ground and presses on layers with less than this share of the weight is not carried by them: a
+// hand on a cushion, a pillow between two palms.
+constexpr double kBrushes = 0.03;
 // Time constants of the share of the weight that layers are to carry, and of the centre of their pressure [s]:
 // shorter than people sit down in, longer than steps of contact.
 constexpr double kLayerShareTime = 0.05, kLayerCentreTime = 0.05;

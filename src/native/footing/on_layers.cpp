@@ -19,6 +19,11 @@ void OnLayers::aim(const std::vector<BearingPoint>& others, Vec3 centre, bool si
   }
   target_ = 1;
   if (points.empty()) return;
+  if (!sits && pressed_ < tune::kBrushes) {  // it stands, and a hand is on a cushion
+    carry_ = false;
+    share_ = target_ = 0;
+    return;
+  }
   const double own = std::clamp(std::max(pressed_, sits ? tune::kSeatShare : 0.0),
                                 tune::kLeastLayerShare, 1 - tune::kLeastLayerShare);
   points.push_back({centre_, -1, all * own / (1 - own)});

@@ -306,8 +306,8 @@ def _inward(points: Array, faces: Ints) -> Array:
     matrix = products / whole[:, None, None] + _SMALL * np.eye(3)
     result: Array = -(1.0 + _SMALL) * np.linalg.solve(matrix, right[..., None])[..., 0]
     size = np.maximum(np.linalg.norm(result, axis=1), 1e-12)
-    result *= np.minimum(1.0, _LONGEST / size)[:, None]
-    return result
+    shorter: Array = np.minimum(1.0, _LONGEST / size)[:, None] * result
+    return shorter
 
 
 def _spacing(tree: Any, places: Array) -> Array:

@@ -304,10 +304,11 @@ def _inward(points: Array, faces: Ints) -> Array:
     right = np.stack([around(column) for column in unit.T], axis=1) / whole[:, None]
     products = np.array([[around(a * b) for a in unit.T] for b in unit.T]).transpose(2, 0, 1)
     matrix = products / whole[:, None, None] + _SMALL * np.eye(3)
-    result: Array = -(1.0 + _SMALL) * np.linalg.solve(matrix, right[..., None])[..., 0]
+    solved = np.linalg.solve(matrix, right[..., None])[..., 0]
+    result: Array = np.asarray(-(1.0 + _SMALL) * solved, dtype=np.float64)
     size = np.maximum(np.linalg.norm(result, axis=1), 1e-12)
-    result *= np.minimum(1.0, _LONGEST / size)[:, None]
-    return result
+    shorter: Array = np.minimum(1.0, _LONGEST / size)[:, None] * result
+    return shorter
 
 
 def _spacing(tree: Any, places: Array) -> Array:

@@ -22,6 +22,7 @@ from halfphysics.viewer.dents import own_vertices
 
 if TYPE_CHECKING:
     from halfphysics.results.soft_contacts import SoftContacts
+    from halfphysics.scene.items import Object, Static
     from halfphysics.scene.scene import Scene
     from halfphysics.viewer.stage import Stage
 
@@ -34,7 +35,8 @@ MOST_VERTICES = 5_000
 def unpressed(scene: Scene) -> dict[str, Dent]:
     """Name -> dent of every soft static and object of a scene, with nothing pressed."""
     found = {}
-    for name, item in {**scene.statics, **scene.objects}.items():
+    items: dict[str, Static | Object] = {**scene.statics, **scene.objects}
+    for name, item in items.items():
         if item.soft is not None:
             layer = layer_of(item).finer(None, MOST_VERTICES)
             every = np.arange(len(layer.surface))

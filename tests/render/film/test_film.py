@@ -268,7 +268,7 @@ def test_what_stands_in_the_way_is_seen_through():
     result = small_result()
     options = dataclasses.replace(PLAIN, camera=("front", "back", "left", "right"), size=(520, 96))
     pictures = shoot(options, [result])
-    glass = [any(s.alpha < 1 for s in view.statics) for view in pictures._views]
+    glass = [any(s.alpha < 1 for s in view.statics.values()) for view in pictures._views]
     assert any(glass)  # the wall beside the way hides the person from one side
     assert not all(glass)
 

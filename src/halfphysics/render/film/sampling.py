@@ -61,6 +61,8 @@ def sampled(result: Result, frames: Array) -> Sampled:
             quaternion=_turn(q, low, high, weight),
         )
 
+    # What is drawn need not be a result: it may have none.
+    dents: Mapping[str, Dent] = getattr(result, "dents", {})
     return Sampled(
         people=tuple(
             DrawnPerson(
@@ -72,7 +74,7 @@ def sampled(result: Result, frames: Array) -> Sampled:
         ),
         objects={name: track(given) for name, given in result.objects.items()},
         scene=result.scene,
-        dents={name: dent.sampled(low, high, weight) for name, dent in result.dents.items()},
+        dents={name: dent.sampled(low, high, weight) for name, dent in dents.items()},
     )
 
 

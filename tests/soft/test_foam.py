@@ -56,7 +56,7 @@ def test_the_loop_dissipates():
     expected, *_ = press(slow, MASS, AREA, -0.15, 0.0, result.times)
     assert heights[0] == pytest.approx(0.15, rel=0.01)
     assert heights[1] == pytest.approx(-expected[late].min(), rel=0.02)
-    assert heights[1] < 0.8 * heights[0]
+    assert heights[1] < 0.9 * heights[0]
 
 
 def test_it_creeps_under_a_load():
@@ -84,8 +84,8 @@ def test_what_was_pressed_comes_back_slowly():
 
 def test_it_stiffens_towards_full_compression():
     """Ten times the load does not sink ten times as far: p = k d (1 + D (d/t)^4)."""
-    foam = Foam(4e4, 2e4, 0.1, 8.0, 0.0, 1.0)
-    for mass in (4.0, 40.0):
+    for mass, damping in ((4.0, 3e3), (40.0, 2e4)):
+        foam = Foam(4e4, damping, 0.1, 8.0, 0.0, 1.0)
         result = dropped(foam, 0.0, 2.0, mass=mass, fps=30.0)
         depth = 0.05 - result.height[-1]
         assert AREA * foam.springs(depth) == pytest.approx(mass * 9.81, rel=0.01)

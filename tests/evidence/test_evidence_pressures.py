@@ -14,7 +14,7 @@ from evidence.sections import pressures
 
 pytestmark = pytest.mark.slow
 
-#: Not yet human: the feet of who sits carry 3 % of the weight, of people 19 to 31 %, and so the seat
+#: Not yet human: the feet of who sits carry 3 % of the weight, of people 19 to 31 %: the seat
 #: presses harder. The report shows both as not reproduced.
 OPEN = {"share of the weight on seat and rest", "area of the seat over 4 kPa"}
 

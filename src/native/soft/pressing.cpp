@@ -45,23 +45,24 @@ double spread(double area, double cosine) {
   return std::max(tune::kLeastEdge, 0.5 * std::sqrt(area * std::max(0.0, 1 - cosine * cosine)));
 }
 
-// Looks up one sample at a pose; false if it is farther than `within` from the frame.
-bool look(const SamplePoses& poses, const FrameDistance& frame, const SurfaceSamples& samples,
+enum class Seen : char { Far, Away, Near };
+
+// Measures one sample at a pose; Far: it is farther than `within` from the frame.
+Seen look(const SamplePoses& poses, const FrameDistance& frame, const SurfaceSamples& samples,
           double within, NearSample& s) {
   const Vec3 x = poses.position(s.sample);
   FramePoint p;
-  if (!frame.nearest(x, within, s.triangle, p)) return false;
-  const double area = samples.areas[s.sample];
+  if (!frame.nearest(x, within, s.triangle, p)) return Seen::Far;
   if (poses.turns() || norm2(s.normal) == 0) s.normal = poses.normal(s.sample);
   const double facing = -dot(s.normal, p.n), cosine = std::clamp(facing, 0.0, 1.0);
-  if (facing < tune::kFacesAway) return false;
+  const double area = samples.areas[s.sample];
   // What presses is the point of the unloaded surface above the hard point.
   s.x = s.y = x + s.own * s.normal, s.n = p.n, s.at = p.at, s.triangle = p.triangle;
   s.thickness = p.thickness + s.own * cosine;
   s.depth = s.thickness - p.distance;
   s.edge = spread(area, cosine);
   s.area = area * cosine;
-  return true;
+  return facing < tune::kFacesAway ? Seen::Away : Seen::Near;
 }
 
 }  // namespace
@@ -72,24 +73,37 @@ FoamPlace foam_place(const CollisionWorld& world, const Poses& pose, const SoftP
   return {-pair.other_shape - 1, pose.kin.xpos[b], pose.kin.xmat[b]};
 }
 
+namespace {
+
+// Need a sample not be measured again: is it out of reach, or facing away, by what was seen of it?
+bool stays_out(const SeenSample& seen, double reach, double travelled) {
+  const double since = travelled - seen.at;
+  return seen.depth + since + reach < 0 || (seen.away && since < tune::kTurningWay);
+}
+
+}  // namespace
+
 void find_near(const CollisionWorld& world, const SoftWorld& soft, const FoamCells& cells,
-               Poses& start, double reach, SoftPair& pair) {
+               Poses& start, double reach, double travelled, SoftPair& pair) {
   pair.stamp = start.stamp, pair.reach = reach;
   pair.near.clear();
   const SurfaceSamples& samples = soft.samples_of(pair.shape);
+  pair.seen.resize(samples.size());
   const FrameDistance frame = frame_of(world, soft, start, pair);
   const SamplePoses poses(world, soft, start, pair.shape);
-  const SoftLaw own = soft.layer_of_shape(pair.shape).law;
-  const double within = pair.thickness + reach + samples.pitch;
+  const SoftLayer& own = soft.layer_of_shape(pair.shape);
   const FoamPlace place = foam_place(world, start, pair);
+  const double room = reach + samples.pitch + tune::kSeenMargin;
   for (int i = 0; i < samples.size(); i++) {
+    SeenSample& seen = pair.seen[i];
+    if (stays_out(seen, reach + samples.pitch, travelled)) continue;
+    const SoftLayer& layer = samples.layers.empty() ? own : samples.layers[i];
     NearSample s;
-    s.sample = i;
-    const SoftLayer& layer =
-        samples.layers.empty() ? soft.layer_of_shape(pair.shape) : samples.layers[i];
-    s.own = layer.thickness;
-    if (!look(poses, frame, samples, within, s)) continue;
-    s.law = in_series(frame.layer().law, samples.layers.empty() ? own : layer.law);
+    s.sample = i, s.own = layer.thickness, s.triangle = seen.triangle;
+    const Seen found = look(poses, frame, samples, pair.thickness + room, s);
+    seen = {found == Seen::Far ? -room : s.depth, travelled, found == Seen::Away, s.triangle};
+    if (found != Seen::Near || s.depth + reach + samples.pitch < 0) continue;
+    s.law = in_series(frame.layer().law, layer.law);
     if (s.law.stiffness <= 0) continue;  // both are hard here
     s.before = s.depth, s.first = s.x;
     if (s.law.arm > 0) s.gone = cells.gone(place.layer, place.local(s.at), s.law);
@@ -101,14 +115,18 @@ void act_between(Vec3 from, Vec3 to, SoftPair& pair) {
   for (NearSample& s : pair.near) s.y = 0.5 * (s.x + s.first + (to - from));
 }
 
-bool find_depths(const CollisionWorld& world, const SoftWorld& soft, Poses& end, SoftPair& pair) {
-  if (pair.near.empty()) return false;
+bool find_depths(const CollisionWorld& world, const SoftWorld& soft, Poses& end, double way,
+                 SoftPair& pair) {
   const SurfaceSamples& samples = soft.samples_of(pair.shape);
+  const auto reaches = [&](const NearSample& s) { return s.before + way + samples.pitch > 0; };
+  for (NearSample& s : pair.near) s.area = 0;
+  if (std::none_of(pair.near.begin(), pair.near.end(), reaches)) return false;
   const FrameDistance frame = frame_of(world, soft, end, pair);
   const SamplePoses poses(world, soft, end, pair.shape);
   bool any = false;
   for (NearSample& s : pair.near) {
-    if (!look(poses, frame, samples, pair.thickness + samples.pitch, s)) {
+    if (!reaches(s)) continue;
+    if (look(poses, frame, samples, pair.thickness + samples.pitch, s) != Seen::Near) {
       s.depth = -1e300, s.area = 0;
       continue;
     }

@@ -49,6 +49,14 @@ struct NearSample {
   double slope = 0;     // of the pressure by the depth at the end [Pa/m]
 };
 
+// What is known of a sample from when it was last measured: it saves measuring and changes no result.
+struct SeenSample {
+  double depth = 1e300;  // at most [m]
+  double at = 0;         // what the two had travelled then [m]
+  bool away = false;     // it faced away from the layer
+  int triangle = -1;
+};
+
 // One shape and what it may press on.
 struct SoftPair {
   int shape = 0, other_static = -1, other_shape = -1;
@@ -58,6 +66,12 @@ struct SoftPair {
   uint64_t stamp = 0;  // of the pose at the start that `near` was found for, as far as `reach`
   double reach = 0;
   std::vector<NearSample> near;
+  std::vector<SeenSample> seen;  // per sample; empty: nothing
+
+  void forget() {
+    room = -1, stamp = 0;
+    near.clear(), seen.clear();
+  }
 };
 
 // Where the samples of a shape are, one by one.
@@ -88,11 +102,14 @@ struct FoamPlace {
 };
 FoamPlace foam_place(const CollisionWorld& world, const Poses& pose, const SoftPair& pair);
 
-// Finds the samples that are within `reach` of the layer's surface at the start of a step.
+// Finds the samples that are within `reach` of the layer's surface at the start of a step, when the two have
+// travelled so far in all [m].
 void find_near(const CollisionWorld& world, const SoftWorld& soft, const FoamCells& cells,
-               Poses& start, double reach, SoftPair& pair);
-// The depths at an end pose. False if no sample is pressed there.
-bool find_depths(const CollisionWorld& world, const SoftWorld& soft, Poses& end, SoftPair& pair);
+               Poses& start, double reach, double travelled, SoftPair& pair);
+// The depths at an end pose, to which the two have gone no farther than `way` [m]. False if no sample is
+// pressed there.
+bool find_depths(const CollisionWorld& world, const SoftWorld& soft, Poses& end, double way,
+                 SoftPair& pair);
 // Where impulses act if the shape turns: at the means of the places about its middle at the start and
 // at the end, `from` and `to`. The way along the layer that a turn makes is then that of the velocity
 // there, and the work of the pressures is the energy of the springs; places of one end alone would give a

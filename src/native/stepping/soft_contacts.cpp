@@ -47,7 +47,7 @@ void SoftContacts::list_pair(const System& system, int shape, int other_static, 
 }
 
 void SoftContacts::reset(const Model& m) {
-  for (SoftPair& pair : pairs_) pair.room = -1, pair.stamp = 0, pair.near.clear();
+  for (SoftPair& pair : pairs_) pair.forget();
   friction_.assign(pairs_.size(), {});
   level_.assign(any() ? m.nbody : 0, 0);
   cells_.clear();
@@ -122,7 +122,7 @@ void SoftContacts::gather(const System& system, Data& data) {
         attempt.reach[pair.shape] + (pair.other_shape >= 0 ? attempt.reach[pair.other_shape] : 0);
     if (!near(system, data, pair, reach)) continue;
     if (pair.stamp != start.stamp || pair.reach < reach) {
-      find_near(system.world, system.soft, cells_, start, reach, pair);
+      find_near(system.world, system.soft, cells_, start, reach, travelled(system, pair), pair);
       data.budget.spend(tune::kSampleWork * system.soft.samples_of(pair.shape).size());
     }
     if (pair.near.empty()) continue;
@@ -151,9 +151,21 @@ void SoftContacts::choose_rules(const System& system, Data& data, double h) {
   }
 }
 
+// How far the two have gone toward each other to the end pose, and since the start of all, at most [m].
+double SoftContacts::way(const System& system, Data& data, const SoftPair& pair) {
+  const std::vector<double>& way = data.step.way(system, data.state);
+  return way[pair.shape] + (pair.other_shape >= 0 ? way[pair.other_shape] : 0);
+}
+
+double SoftContacts::travelled(const System& system, const SoftPair& pair) {
+  const BroadPhase& all = system.world.broad_phase;
+  return all.travelled(pair.shape) + (pair.other_shape >= 0 ? all.travelled(pair.other_shape) : 0);
+}
+
 // Is an object's bounce on the layer too fast for a step of h, where v* takes it?
 bool SoftContacts::stiff(const System& system, Data& data, SoftPair& pair, double h) const {
-  if (!find_depths(system.world, system.soft, data.step.end, pair)) return false;
+  if (!find_depths(system.world, system.soft, data.step.end, way(system, data, pair), pair))
+    return false;
   find_pressures(Rule::End, h, pair);
   double firmness = 0;  // h^2 times the stiffness
   for (const NearSample& s : pair.near) firmness += h * h * s.area * s.slope;
@@ -191,11 +203,11 @@ void SoftContacts::look(const System& system, Data& data, double h) {
     IslandProgress& island = attempt.islands[attempt.candidates[e.candidate].island];
     if (!island.open()) continue;
     SoftPair& pair = pairs_[e.pair];
-    find_depths(system.world, system.soft, end, pair);
+    find_depths(system.world, system.soft, end, way(system, data, pair), pair);
+    data.budget.spend(tune::kSampleWork * (double)pair.near.size());
     const Vec3 from = middle(system, start, pair), to = middle(system, end, pair);
     if (rule(data, e.candidate) == Rule::Mean) act_between(from, to, pair);
     find_pressures(rule(data, e.candidate), h, pair);
-    data.budget.spend(tune::kSampleWork * (double)pair.near.size());
     const PairImpulse now = total_impulse(pair, rule(data, e.candidate), h, to);
     // The rows lie where the layer was when they were made.
     const PairImpulse was = applied(e.candidate, from);
@@ -374,7 +386,8 @@ void SoftContacts::record(const System& system, Data& data, double h,
       if (c.pair == e.candidate) along += c.impulse - dot(c.impulse, c.n) * c.n;
     friction_[e.pair] = along;
     if (!share.empty()) {
-      find_depths(system.world, system.soft, data.step.end, pairs_[e.pair]);
+      find_depths(system.world, system.soft, data.step.end, way(system, data, pairs_[e.pair]),
+                  pairs_[e.pair]);
       find_pressures(rule(data, e.candidate), h, pairs_[e.pair]);
     }
     record_points(system, data, e);
@@ -408,7 +421,7 @@ void SoftContacts::save(std::vector<double>& out) const {
 }
 
 const double* SoftContacts::load(const double* in) {
-  for (SoftPair& pair : pairs_) pair.room = -1, pair.stamp = 0, pair.near.clear();
+  for (SoftPair& pair : pairs_) pair.forget();
   level_.assign(in, in + level_.size());
   in += level_.size();
   for (Vec3& f : friction_) f = load3(in), in += 3;

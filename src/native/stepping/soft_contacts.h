@@ -72,6 +72,8 @@ class SoftContacts {
   double room(const System& system, Poses& start, const SoftPair& pair, double range) const;
   bool takes_part(const System& system, const SoftPair& pair) const;
   bool stiff(const System& system, Data& data, SoftPair& pair, double h) const;
+  static double way(const System& system, Data& data, const SoftPair& pair);
+  static double travelled(const System& system, const SoftPair& pair);
   Vec3 middle(const System& system, Poses& pose, const SoftPair& pair) const;
   PairImpulse applied(int candidate, Vec3 about) const;
   Rule rule(const Data& data, int candidate) const;

@@ -190,9 +190,8 @@ def complaints(row: dict) -> list[str]:
     if row["fastest"] > MOST_SPEED:
         out.append(f"a thing got {row['fastest']:.0f} m/s fast")
     if row["lost"] > MOST_LOST + row.get("lost_hard", 0.0):
-        out.append(
-            f"lost {100.0 * row['lost']:.1f} % of the time, {100.0 * row['lost_hard']:.1f} % if hard"
-        )
+        lost, usual = 100.0 * row["lost"], 100.0 * row["lost_hard"]
+        out.append(f"lost {lost:.1f} % of the time, {usual:.1f} % if hard")
     if row.get("gap_mm") is not None and row["gap_mm"] < -1e3 * ROUNDING:
         told = "reported" if row["breaches"] else "UNREPORTED"
         out.append(f"{-row['gap_mm']:.4f} mm in {row['pair']} at {row['inside']} poses, {told}")

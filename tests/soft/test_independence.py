@@ -44,11 +44,12 @@ def test_frame_rate_and_substeps(slides, steps):
     finest, exact = slides[120, 16]
     assert sink == pytest.approx(finest, rel=0.02)
     way = np.linalg.norm(exact[:2])
-    # Friction stops a slide up to a substep of its first velocity too early: first order.
-    late = 1.55 / (steps[0] * steps[1])
+    # Friction stops a slide and a spin up to a substep of their start too early: first order.
+    h = 1.0 / (steps[0] * steps[1])
+    late, late_turn = 1.55 * h, 2.0 * h
     assert np.linalg.norm(end[:3] - exact[:3]) <= 0.02 * way + late
     turned = rot.log(rot.multiply(rot.conjugate(exact[3:]), end[3:]))
-    assert np.linalg.norm(turned) <= 0.02 * np.linalg.norm(rot.log(exact[3:]))
+    assert np.linalg.norm(turned) <= 0.02 * np.linalg.norm(rot.log(exact[3:])) + late_turn
 
 
 def seat(pitch):
@@ -117,7 +118,10 @@ def test_a_mesh_is_as_soft_as_the_box_that_it_is():
 
 @pytest.mark.parametrize("law", ["linear", "foam"])
 def test_a_scene_turned_and_moved_gives_the_same(law):
-    """Gravity, layer and things turned and moved together: to a micrometre."""
+    """Gravity, layer and things turned and moved together: to a hundredth of a millimetre.
+
+    What foam remembers is kept in cells along the world's axes: half a millimetre.
+    """
     ends = []
     turns = [np.zeros(3), np.array([0.4, -0.7, 1.1])]
     for turn, shift in zip(turns, (np.zeros(3), np.array([3.0, -2.0, 1.0])), strict=True):
@@ -140,4 +144,4 @@ def test_a_scene_turned_and_moved_gives_the_same(law):
         )
         result = run(scene, 0.8)
         ends.append(rot.rotate(rot.conjugate(q), result.poses[:, :3] - shift))
-    assert np.abs(ends[0] - ends[1]).max() < 1e-5
+    assert np.abs(ends[0] - ends[1]).max() < (5e-4 if law == "foam" else 1e-5)

@@ -222,6 +222,8 @@ COVERED_BY = {
     ),
     "native/render/*": "render/test_rasterizer.py",
     "native/support/*": "support/test_wrench_qp.py",
+    "native/soft/*": "native/soft/test_condensation.cpp native/stepping/test_soft_contacts.cpp",
+    "native/soft/foam_cells.*": "native/soft/test_soft_law.cpp",
     "native/stepping/*": (
         "reference/test_step.py native/test_person.cpp simulation/test_simulator.py"
     ),

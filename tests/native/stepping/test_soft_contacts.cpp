@@ -120,7 +120,8 @@ void a_load_beside_the_middle_tilts() {
   CHECK_NEAR(tilt, moment / (k * std::pow(0.4, 4) / 12), 0.01 * tilt);
 }
 
-// 100 and 10,000 times as stiff: nearer and nearer to where a hard surface would hold it.
+// 100 and 10,000 times as stiff: nearer and nearer to where a hard surface would hold it, up to the
+// 0.01 mm over which a sample is spread at least.
 void stiff_layers_come_to_hard_ones() {
   for (const double stiffer : {100.0, 1e4}) {
     Layer layer;
@@ -128,7 +129,7 @@ void stiff_layers_come_to_hard_ones() {
     hp::Stepper s;
     build(s, {crate(10, 0)}, layer);
     run(s, 90);
-    CHECK_NEAR(0.1 - s.qpos()[2], 10 * gravity / (stiffer * k * area), 1e-7);
+    CHECK_NEAR(0.1 - s.qpos()[2], 10 * gravity / (stiffer * k * area), 1e-5);
     CHECK(std::fabs(s.qvel()[2]) < 1e-6);
   }
 }
@@ -210,7 +211,7 @@ void a_pillow_gives_on_both_sides() {
 // Foam gives back less than it took, and its surface comes back slowly.
 void foam_remembers() {
   Layer layer;
-  layer.arm = 0.5, layer.relaxation = 0.5;
+  layer.arm = 1, layer.relaxation = 0.05;
   hp::Stepper s, linear;
   build(s, {crate(20, 0.1)}, layer);
   build(linear, {crate(20, 0.1)}, {});
@@ -220,7 +221,7 @@ void foam_remembers() {
     if (i > 25) top = std::max(top, s.qpos()[2]);
     if (i > 25) linear_top = std::max(linear_top, linear.qpos()[2]);
   }
-  CHECK(top < 0.9 * linear_top);
+  CHECK(top - 0.1 < 0.7 * (linear_top - 0.1));
   // At rest the arm has slackened: the springs carry all.
   run(s, 600);
   CHECK_NEAR(0.1 - s.qpos()[2], 20 * gravity / (k * area), 1e-5);

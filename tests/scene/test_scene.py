@@ -14,6 +14,7 @@ import trimesh
 import halfphysics as hp
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
 from halfphysics.geometry.shapes import Box, Mesh, Plane, Sphere
+from halfphysics.results.overview import scene_lines
 from halfphysics.scene.scene import Scene
 
 
@@ -266,3 +267,12 @@ def test_a_soft_mesh_cannot_be_open_or_bring_its_own_pieces():
     with pytest.raises(InputError, match="object 'c': soft: found 5"):
         scene.add_object("c", hp.Sphere(0.1), mass=1.0, soft=5)
     assert not scene.objects
+
+
+def test_the_lines_of_a_scene_say_what_is_soft():
+    scene = hp.Scene()
+    scene.add_static("mat", hp.Plane(), soft="mat")
+    scene.add_object("ball", hp.Sphere(0.1), mass=1.0, soft=hp.Soft(0.03, 1e5))
+    mat, ball, _ = scene_lines(scene)
+    assert mat.endswith(", soft for 100 mm")
+    assert "soft for 30 mm at (0.00, 0.00, 0.00) m" in ball

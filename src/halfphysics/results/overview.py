@@ -13,7 +13,7 @@ from halfphysics.results.inside import Inside
 from halfphysics.results.moment import Figure, Moment
 from halfphysics.results.result import PersonResult
 from halfphysics.results.table import Table
-from halfphysics.scene.items import Object
+from halfphysics.scene.items import Object, Static
 from halfphysics.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -83,7 +83,7 @@ def contact_lines(contacts: Contacts) -> list[str]:
 
 def scene_lines(scene: Scene) -> list[str]:
     """The items of a scene, one a line."""
-    lines = [f"{name}: static {item.shape!r}" for name, item in scene.statics.items()]
+    lines = [f"{name}: static {item.shape!r}{_soft(item)}" for name, item in scene.statics.items()]
     for name, item in scene.objects.items():
         lines.append(f"{name}: {_object(item)} at {numbers(item.position)} m")
     for name, jointed in scene.articulated.items():
@@ -95,7 +95,14 @@ def scene_lines(scene: Scene) -> list[str]:
 
 def _object(item: Object) -> str:
     kind = "kinematic" if np.isinf(item.mass) else f"{item.mass:.3g} kg,"
-    return f"{kind} {item.true_shape!r}"
+    return f"{kind} {item.true_shape!r}{_soft(item)}"
+
+
+def _soft(item: Static | Object) -> str:
+    """The layer of an item in words; nothing where it is hard."""
+    if item.soft is None:
+        return ""
+    return f", soft for {1e3 * item.soft.thickness:.0f} mm"
 
 
 def _few(lines: list[str], what: str) -> list[str]:

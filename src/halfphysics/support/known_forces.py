@@ -2,8 +2,8 @@
 
 Impulses of static geometry, of kinematic objects and of fixed links are not among them: they are
 what their surfaces exert to stop a part, and the support of those surfaces is all that they
-exert. Counted here as well, they would count twice. Soft layers are: their pressures hold a person up
-as its weight has it, and nothing else has to be found (docs/physics.md, "Weight").
+exert. Counted here as well, they would count twice. Soft layers are: their pressures hold a person
+up as its weight has it (docs/physics.md, "Weight").
 """
 
 from __future__ import annotations

@@ -167,7 +167,7 @@ class Support(ReadOnly):
     @cached_property
     def total_cop(self) -> Array:
         """Centre of pressure of everything together (T, 3) [m], weighted by the upward forces on
-        the skin, those of soft layers and of other known impulses included; nan where there are none.
+        the skin, those of soft layers and of other known impulses included; nan without any.
         """
         upward = np.maximum(self.pressure.force @ self.up, 0.0)[:, None]
         rows = np.concatenate([upward * self.pressure.position, upward], axis=1)

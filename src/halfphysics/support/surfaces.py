@@ -2,8 +2,8 @@
 
 A thing that moves freely holds nobody up by itself: what it exerts is its contact impulses, which
 the simulation knows. Where it rests on something fixed it passes on what stands on it, so it is a
-surface in those frames. So is a fixed link of an articulated object; its other links are not. In a result soft layers
-are no surfaces either: what they carry is known (`known_forces`).
+surface in those frames. So is a fixed link of an articulated object; its other links are not. In
+a result soft layers are no surfaces either: what they carry is known.
 """
 
 from __future__ import annotations

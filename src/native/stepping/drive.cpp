@@ -217,8 +217,8 @@ void Drive::spring_velocity(const DriveSettings& s, int k, double h, const doubl
     if (i > 0 || !lies_on_layers(*this, q)) continue;
     const double rate = tuning::footing::kLyingRate;
     const double keeps = elementary::exp(-tuning::footing::kLayerDamping * h);
-    store3(v + b.dof, load3(&v_ref_[b.dof]) + keeps * load3(&deviation_[b.dof]) -
-                          (h * rate * rate / sc) * xi);
+    store3(v + b.dof,
+           load3(&v_ref_[b.dof]) + keeps * load3(&deviation_[b.dof]) - (h * rate * rate / sc) * xi);
   }
 }
 

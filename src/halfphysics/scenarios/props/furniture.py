@@ -22,7 +22,7 @@ def block(
     friction: float = stage.WOOD,
     soft: str | None = None,
 ) -> None:
-    """Add a static box between two corners (3,) [m], of a soft material (`hp.Soft.named`) or hard."""
+    """Add a static box between two corners (3,) [m], hard or of a soft material by its name."""
     low, high = np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
     size = tuple(float(x) for x in high - low)
     scene.add_static(name, Box(size), position=0.5 * (low + high), friction=friction, soft=soft)

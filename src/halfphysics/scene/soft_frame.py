@@ -107,7 +107,7 @@ def fitting(what: str, shape: Shape, soft: Soft, named: bool) -> Soft:
     if soft.thickness <= most:
         return soft
     if named:
-        return soft.thinner(most)
+        return soft.of_thickness(most)
     raise InputError(
         f"{what}: soft: thickness is {soft.thickness:g} m; expected at most {most:g} m, so that a "
         f"hard core of a tenth is left of {shape!r}. Make it thinner, or the shape larger (it may "

@@ -346,9 +346,6 @@ constexpr double kNewtonDecrease = 1e-3;
 // sweeps and a few steps end. Too much: steps are short.
 constexpr double kNewtonDamping = 1e-2, kNewtonLeastDamping = 1e-3;
 constexpr double kNewtonMoreDamping = 5, kNewtonLessDamping = 0.3;
-// Steps begin with the smallest damping where the residual is within so many times its goal. A thousandth
-// of that damping agrees less: a body at a wall ended 9e-5 m elsewhere, not 1e-6.
-constexpr double kNewtonNear = 100;
 
 // A step need only be better than the worst of so many before it: the merit has curved valleys
 // (Grippo, Lampariello, Lucidi 1986). The best of them is kept. With 1 (monotone) solves that miss the
@@ -480,8 +477,8 @@ constexpr double kRestGoal = 1e-5;
 
 // Share of the tolerance that islands with people aim at; what is within the tolerance after kFinePatience
 // sweeps and steps will do. What is left of a tolerance depends on where a solve began: at 1 a body that is
-// pressed on a wall 1 nm farther along it was 84 um elsewhere within a second, at this 0.5 um, and 0.03 um
-// without an end of patience, for 4 % of all instructions more. This costs 6 % at the wall.
+// pressed on a wall 1 nm farther along it was 84 um elsewhere within a second, at this 0.6 um, and 0.03 um
+// without an end of patience, for some 5 % of all instructions there.
 constexpr double kSettleGoal = 1e-2;
 
 // An island in which something on a track squeezes others is given up where a contact needs so many

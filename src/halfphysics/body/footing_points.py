@@ -74,9 +74,9 @@ _MADE: WeakKeyDictionary[Body, FootingPoints] = WeakKeyDictionary()
 
 def _made(body: Body) -> FootingPoints:
     soles = [_sole(body, side) for side in SIDES]
-    hands = _on_both_sides(body, np.flatnonzero(_carried_by(body, _HAND)), HAND_POINTS)
+    hands = _far_apart(body, np.flatnonzero(_carried_by(body, _HAND)), HAND_POINTS)
     resting = np.flatnonzero(~_carried_by(body, _NOT_RESTING))
-    vertex = np.concatenate([*soles, _on_both_sides(body, resting, SKIN_POINTS), hands])
+    vertex = np.concatenate([*soles, _far_apart(body, resting, SKIN_POINTS), hands])
     joints = np.argsort(-body.weights[vertex], axis=1, kind="stable")[:, :2]
     weights = np.take_along_axis(body.weights[vertex], joints, axis=1)
     weights = weights / weights.sum(axis=1, keepdims=True)
@@ -114,14 +114,6 @@ def _carried_by(body: Body, parts: tuple[str, ...]) -> NDArray[np.bool_]:
     named = np.array([any(part in name for part in parts) for name in JOINT_NAMES])
     carried: NDArray[np.bool_] = named[body.weights.argmax(axis=1)]
     return carried
-
-
-def _on_both_sides(body: Body, vertex: Ints, count: int) -> Ints:
-    """Half of so many vertices far apart on each side: those of a mirror image are mirrored."""
-    x = body.rest_vertices[vertex, 0]
-    sides = [_far_apart(body, vertex[side], count // 2) for side in (x > 0, x < 0)]
-    both: Ints = np.concatenate(sides)
-    return both
 
 
 def _far_apart(body: Body, vertex: Ints, count: int) -> Ints:

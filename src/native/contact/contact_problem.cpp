@@ -154,10 +154,7 @@ void ContactProblem::sweep_round(Progress& at, SolveReport& report) {
 }
 
 void ContactProblem::newton_round(Progress& at, SolveReport& report) {
-  // Near the answer the least damping does: what is damped is not solved for.
-  const bool near = report.residual < tune::kNewtonNear * at.goal;
-  double damping = near ? tune::kNewtonLeastDamping : tune::kNewtonDamping;
-  double recent[tune::kNewtonMemory];
+  double damping = tune::kNewtonDamping, recent[tune::kNewtonMemory];
   std::fill_n(recent, tune::kNewtonMemory, merit());
   int failures = 0;
   for (int step = 0; step < tune::kNewtonSteps && at.goes_on(report.residual); step++, at.done++) {

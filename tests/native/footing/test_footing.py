@@ -339,12 +339,3 @@ def test_who_was_stopped_by_a_table_goes_round_it_and_steps_back_to_the_path():
     assert np.nanmean(hp.metrics.stance_slide(result).slide[back:]) < 0.004  # [m] a frame
     assert not result.lost_time.any()
     assert not len(result.breaches)
-
-
-def test_the_points_of_a_body_are_their_own_mirror_image():
-    """A mirrored person is put on the ground as the person is: hands and knees touch alike."""
-    points = footing_points(BODY)
-    at = points.local[:, 0] + np.asarray(BODY.rest_joints)[points.joints[:, 0]]
-    rest = at[sum(points.soles) :]
-    away = np.linalg.norm(rest[:, None] * [-1.0, 1.0, 1.0] - rest[None], axis=2).min(axis=1)
-    assert away.max() == pytest.approx(0.0, abs=1e-12)

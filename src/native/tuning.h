@@ -1036,6 +1036,9 @@ constexpr double kCell = 0.02, kCellShift = 0.3717, kForgotten = 1e-5;
 constexpr double kStiffBounce = 1;
 // Beyond this sum of tilts a point of the patch would have to pull; 1 is where it carries nothing.
 constexpr double kMostTilt = 1;
+// A hull is a box whose normals are square to each other within this cosine, and whose vertices are its
+// corners within as many metres: more than rounding, less than anybody shapes.
+constexpr double kSquare = 1e-9;
 // Distances whose direction is rounding alone [m].
 constexpr double kNoDistance = 1e-9;
 // Depths spread by no less over a sample [m]: means are differences over it.
@@ -1052,6 +1055,8 @@ constexpr double kSampleWork = 2e3;
 // The pressures at the end are those of the solve if the sums of force and moment differ by less than this
 // share, or by an impulse that small [N s]: free objects must not gain energy by it, people are driven.
 constexpr double kRightShare = 3e-4, kRightShareDriven = 3e-3, kRightImpulse = 1e-7;
+// Moments of pressures nearer to the middle than this may differ as if they were so far from it [m].
+constexpr double kLeastLever = 1e-3;
 
 }  // namespace hp::tuning::soft
 

@@ -30,7 +30,7 @@ def test_a_named_layer_keeps_its_modulus_at_any_thickness(name):
 
 def test_a_thinner_layer_is_of_the_same_foam():
     layer = hp.Soft(0.2, 1e5, damping=500.0)
-    thin = layer.thinner(0.05)
+    thin = layer.of_thickness(0.05)
     assert (thin.thickness, thin.stiffness, thin.damping) == (0.05, 4e5, 2000.0)
 
 

@@ -92,9 +92,9 @@ class Command:
 
         names = [person.name for person in result.people]
         if self.of is not None and self.of not in names:
+            hint = did_you_mean(self.of, names, otherwise=".")
             raise InputError(
-                f"--of: found {self.of!r}{did_you_mean(self.of, names)} With --skin it is a "
-                f"person: {', '.join(names)}"
+                f"--of: found {self.of!r}{hint} With --skin it is a person: {', '.join(names)}"
             )
         index = 0 if self.of is None else names.index(self.of)
         save_skin_pressure(result, self.out, person=index, frame=self.frame, most=self._pascals)

@@ -158,7 +158,7 @@ def _disc(radius: float, z: float, side: float, pitch: float) -> SurfaceSamples:
 
 
 def _half_sphere(radius: float, z: float, side: float, pitch: float) -> SurfaceSamples:
-    """Bands of equal height have equal areas (Archimedes); here bands of equal angle."""
+    """Bands of equal angle; the area of each is by its height (Archimedes)."""
     bands = max(2, int(np.ceil(0.5 * np.pi * radius / pitch - 1e-9)))
     edge = np.sin(0.5 * np.pi * np.arange(bands + 1) / bands)
     normals, areas = [], []

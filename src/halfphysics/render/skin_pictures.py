@@ -67,7 +67,8 @@ def save_skin_pressure(
         FileError: The file cannot be written.
         MissingDependencyError: ffmpeg, which .mp4 and .webm need, is not installed.
     """
-    from halfphysics.results.skin_pressure import skin_pressure, vertex_areas
+    from halfphysics.body.skin_samples import vertex_areas
+    from halfphysics.results.skin_pressure import skin_pressure
 
     path = file_path(path)
     suffix = path.suffix.lower()
@@ -84,7 +85,7 @@ def save_skin_pressure(
             path,
             {
                 "pressure": pressure,
-                "area": vertex_areas(someone.body),
+                "area": vertex_areas(someone.body.rest_vertices, someone.body.faces)[0],
                 "fps": np.array(result.fps),
                 "name": np.array(someone.name),
             },

@@ -192,7 +192,7 @@ def _chosen(result: Result, contacts: SoftContacts, name: str | None) -> str:
     if name is None and pressed:
         return max(pressed, key=lambda thing: pressed[thing])
     if name not in pressed:
-        hint = did_you_mean(name, pressed) if isinstance(name, str) else "."
+        hint = did_you_mean(name, pressed, otherwise=".")
         there = ", ".join(pressed) or "no things; pressure on skins: --skin, skin_pressure()"
         raise InputError(f"pressure: nothing presses on {shown(name)}{hint} Pressed are: {there}")
     assert name is not None

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.validation import is_whole, shown
+from halfphysics.body.skin_samples import vertex_areas
 from halfphysics.errors import InputError
 from halfphysics.results.pressure_maps import checked_contacts
 
@@ -41,7 +42,8 @@ def skin_pressure(result: Result, person: int = 0) -> NDArray[np.float32]:
         (T, V) [Pa], float32: of every vertex of the body's skin in every frame.
 
     Raises:
-        InputError: Nothing soft is pressed, or there is no such person.
+        InputError: Nothing soft is pressed, there is no such person, or the pressures are of a body
+            with more vertices.
     """
     contacts = checked_contacts(result)
     count = len(result.people)
@@ -50,6 +52,11 @@ def skin_pressure(result: Result, person: int = 0) -> NDArray[np.float32]:
     body = result.people[person].body
     frame, vertex, force, area = _on_skin(result, contacts, int(person))
     own, place = np.unique(vertex, return_inverse=True)
+    if len(own) and own[-1] >= len(body.rest_vertices):
+        raise InputError(
+            f"pressure: found vertex {own[-1]}, but the skin of {result.people[person].name!r} has "
+            f"{len(body.rest_vertices)} vertices. Load the result with the body that was simulated"
+        )
     out = np.zeros((len(result), len(body.rest_vertices)), dtype=np.float32)
     if not len(own):
         return out
@@ -62,16 +69,6 @@ def skin_pressure(result: Result, person: int = 0) -> NDArray[np.float32]:
     touched = np.flatnonzero(np.asarray(spread.sum(axis=1)).ravel() > 0.0)
     out[:, touched] = (spread[touched] @ forces).toarray().T
     return out
-
-
-def vertex_areas(body: Body) -> Array:
-    """Area of the skin around every vertex in the rest pose (V,) [m^2]: a third of its faces'."""
-    corners = np.asarray(body.rest_vertices)[body.faces]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    third = np.linalg.norm(normal, axis=1) / 6.0
-    count = len(body.rest_vertices)
-    total = np.bincount(np.asarray(body.faces).ravel(), np.repeat(third, 3), count)
-    return total.astype(np.float64)
 
 
 def _on_skin(
@@ -110,7 +107,8 @@ def _spreading(body: Body, own: Ints, width: Array) -> Any:
     from scipy.spatial import cKDTree
 
     rest = np.asarray(body.rest_vertices, dtype=np.float64)
-    normals = _normals(rest, np.asarray(body.faces))
+    area, way = vertex_areas(rest, np.asarray(body.faces))
+    normals = way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-12)
     near = cKDTree(rest).query_ball_point(rest[own], _SPREAD * width, return_sorted=True)
     column = np.repeat(np.arange(len(own)), [len(found) for found in near])
     row = np.concatenate([np.asarray(found, dtype=np.int64) for found in near])
@@ -118,17 +116,6 @@ def _spreading(body: Body, own: Ints, width: Array) -> Any:
     # Not through a finger or a lip to the other side.
     same = np.einsum("ni,ni->n", normals[row], normals[own[column]]) > 0.0
     share = np.where(same, np.exp(-0.5 * (distance / width[column]) ** 2), 0.0)
-    whole = np.bincount(column, share * vertex_areas(body)[row], len(own))
+    whole = np.bincount(column, share * area[row], len(own))
     made = coo_array((share / whole[column], (row, column)), shape=(len(rest), len(own)))
     return made.tocsr()
-
-
-def _normals(points: Array, faces: NDArray[np.integer]) -> Array:
-    """Unit normals (V, 3) of a surface."""
-    corners = points[faces]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    total = np.stack(
-        [np.bincount(faces.ravel(), np.repeat(c, 3), len(points)) for c in normal.T], axis=1
-    )
-    result: Array = total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-12)
-    return result

@@ -28,6 +28,8 @@ MOST_THICKNESS = 2.0
 LEAST_STIFFNESS, MOST_STIFFNESS = 1e2, 1e10
 #: Largest damping time c/k [s], and the slowest recovery [s].
 MOST_TIME, SLOWEST_RECOVERY = 10.0, 3600.0
+#: Fields that the law "linear" does not have.
+_OF_FOAM = ("densification", "hysteresis", "recovery")
 
 
 @dataclass(frozen=True)
@@ -120,7 +122,7 @@ class Soft:
             recovery=material.recovery,
         )
 
-    def thinner(self, thickness: float) -> Soft:
+    def of_thickness(self, thickness: float) -> Soft:
         """A layer of the same foam with another thickness [m]: its modulus stays."""
         factor = self.thickness / thickness
         assert self.damping is not None
@@ -135,7 +137,7 @@ class Soft:
     def document(self) -> dict[str, Any]:
         """The fields as plain data, for files: those of "foam" only where the law has them."""
         names = [field.name for field in fields(self)]
-        return {n: getattr(self, n) for n in names[: 7 if self.law == "foam" else 4]}
+        return {n: getattr(self, n) for n in names if self.law == "foam" or n not in _OF_FOAM}
 
 
 def checked_soft(what: str, given: Any) -> Soft | None:

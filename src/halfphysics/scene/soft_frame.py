@@ -18,6 +18,7 @@ from halfphysics.geometry.inset import OPPOSITE, SHARE, inset
 from halfphysics.geometry.mesh import Mesh
 from halfphysics.geometry.shape_base import Array, Shape
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Sphere
+from halfphysics.geometry.subdivision import subdivided
 from halfphysics.geometry.surface_samples import surface_samples
 from halfphysics.scene.soft import Soft
 
@@ -107,7 +108,7 @@ def fitting(what: str, shape: Shape, soft: Soft, named: bool) -> Soft:
     if soft.thickness <= most:
         return soft
     if named:
-        return soft.thinner(most)
+        return soft.of_thickness(most)
     raise InputError(
         f"{what}: soft: thickness is {soft.thickness:g} m; expected at most {most:g} m, so that a "
         f"hard core of a tenth is left of {shape!r}. Make it thinner, or the shape larger (it may "
@@ -176,51 +177,5 @@ def _finer(vertices: Array, faces: NDArray[np.int32]) -> tuple[Array, NDArray[np
     a, b, c = np.moveaxis(vertices[faces], 1, 0)
     area = 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
     edge = max(EDGE, float(np.sqrt(8.0 * area / MOST_FACES)))
-    return split_edges(vertices, faces, edge)
-
-
-def split_edges(
-    vertices: Array, faces: NDArray[np.int32], edge: float
-) -> tuple[Array, NDArray[np.int32]]:
-    """Triangles with every edge longer than `edge` [m] cut in halves, again and again.
-
-    Neighbours share the new vertices: what was closed stays closed.
-    """
-    while True:
-        pairs = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-        unique, which = np.unique(pairs, axis=0, return_inverse=True)
-        length = np.linalg.norm(vertices[unique[:, 0]] - vertices[unique[:, 1]], axis=1)
-        # The longest edge of a triangle first: no slivers.
-        own = length[which.reshape(-1, 3)]
-        longest = own.argmax(axis=1)
-        cut = np.zeros(len(unique), dtype=bool)
-        rows = np.flatnonzero(own.max(axis=1) > edge * (1.0 + 1e-9))
-        cut[which.reshape(-1, 3)[rows, longest[rows]]] = True
-        if not cut.any():
-            return vertices, faces
-        number = np.full(len(unique), -1)
-        number[cut] = len(vertices) + np.arange(int(cut.sum()))
-        middle = 0.5 * (vertices[unique[cut, 0]] + vertices[unique[cut, 1]])
-        vertices = np.concatenate([vertices, middle])
-        faces = _divided(faces, number[which.reshape(-1, 3)], own)
-
-
-def _divided(faces: NDArray[np.int32], new: NDArray[np.int64], length: Array) -> NDArray[np.int32]:
-    """Triangles with new vertices on some edges (f, 3; -1: none), the longest cut first."""
-    made = []
-    for face, middle, size in zip(faces.tolist(), new.tolist(), length.tolist(), strict=True):
-        made += _cut(face, middle, size)
-    return np.array(made, dtype=np.int32)
-
-
-def _cut(face: list[int], middle: list[int], size: list[float]) -> list[list[int]]:
-    cut = [k for k in range(3) if middle[k] >= 0]
-    if not cut:
-        return [face]
-    k = max(cut, key=lambda i: size[i])
-    a, b, c = face[k], face[(k + 1) % 3], face[(k + 2) % 3]
-    m = middle[k]
-    # Edges of the halves: (a, m), (m, c), (c, a) and (m, b), (b, c), (c, m).
-    left = _cut([a, m, c], [-1, -1, middle[(k + 2) % 3]], [0.0, 0.0, 1.0])
-    right = _cut([m, b, c], [-1, middle[(k + 1) % 3], -1], [0.0, 1.0, 0.0])
-    return left + right
+    finer, cut = subdivided(vertices, faces, edge, MOST_FACES)
+    return finer, cut.astype(np.int32)

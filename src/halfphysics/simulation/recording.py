@@ -171,7 +171,7 @@ class Recorder:
         """
         if self._soft.every > 1:
             warn(
-                f"pressures are kept of every {self._soft.every}. frame only: more than "
+                f"pressures are kept of one frame in {self._soft.every}: more than "
                 f"{MOST_PRESSED:,} samples were pressed. Simulate shorter pieces to keep them all."
             )
         self._torque.setflags(write=False)

@@ -1,5 +1,6 @@
 #include "assembly/soft_calls.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hp::assembly {

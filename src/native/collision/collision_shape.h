@@ -40,7 +40,7 @@ struct CollisionShape {
   // How far the hull sticks out of the surface that it approximates [m]: objects whose hulls
   // overlap by no more than that at the start are not parted.
   double slack = 0;
-  double layer = 0;  // thickness of the softest part of its layer [m]; 0: it is hard
+  double layer = 0;  // thickness of its soft layer where that is thickest [m]; 0: it is hard
   std::vector<Influence> influences;
 
   // Of skin hulls.

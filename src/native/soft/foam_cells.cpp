@@ -70,4 +70,15 @@ const double* FoamCells::load(const double* in) {
   return in;
 }
 
+void FoamCells::adopt(const FoamCells& old, const std::vector<int>& now) {
+  clear();
+  time_ = old.time_;
+  for (const auto& [key, cell] : old.cells_) {
+    Key k = key;
+    if (k[0] < 0 && now[-k[0] - 1] < 0) continue;
+    if (k[0] < 0) k[0] = -now[-k[0] - 1] - 1;
+    cells_[k] = cell;
+  }
+}
+
 }  // namespace hp

@@ -25,9 +25,11 @@ class FoamCells {
 
   void save(std::vector<double>& out) const;
   const double* load(const double* in);
+  // The memory of others, whose shapes have the numbers `now` here (-1: gone).
+  void adopt(const FoamCells& old, const std::vector<int>& now);
 
  private:
-  using Key = std::array<int, 4>;  // layer, cell
+  using Key = std::array<int, 4>;  // layer (pressing.h, FoamPlace), cell
   struct Cell {
     double gone = 0, time = 0;  // q, at this time
     double sum = 0, area = 0;   // of the step

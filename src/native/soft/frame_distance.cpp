@@ -1,5 +1,7 @@
 #include "soft/frame_distance.h"
 
+#include <cmath>
+
 #include "geometry/gjk.h"
 #include "tuning.h"
 

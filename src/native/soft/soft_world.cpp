@@ -1,10 +1,15 @@
 #include "soft/soft_world.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <stdexcept>
 
+#include "tuning.h"
+
 namespace hp {
+
+namespace tune = tuning::soft;
 
 namespace {
 
@@ -53,7 +58,7 @@ FrameBox FrameBox::of(const Convex& hull) {
   if (hull.vertices.size() != 8 || hull.rim > 0 || hull.normals.size() < 2) return box;
   const Vec3 a = hull.normals[0];
   for (const Vec3& b : hull.normals) {
-    if (std::fabs(dot(a, b)) > 1e-9) continue;
+    if (std::fabs(dot(a, b)) > tune::kSquare) continue;
     const Vec3 c = cross(a, b);
     for (int i = 0; i < 3; i++)
       box.axes.m[3 * i] = a[i], box.axes.m[3 * i + 1] = b[i], box.axes.m[3 * i + 2] = c[i];
@@ -64,7 +69,8 @@ FrameBox FrameBox::of(const Convex& hull) {
     box.is = true;
     for (const Vec3& v : hull.vertices) {
       const Vec3 y = mul_t(box.axes, v) - middle;
-      for (int i = 0; i < 3; i++) box.is &= std::fabs(std::fabs(y[i]) - box.half[i]) < 1e-9;
+      for (int i = 0; i < 3; i++)
+        box.is &= std::fabs(std::fabs(y[i]) - box.half[i]) < tune::kSquare;
     }
     return box;
   }
@@ -110,7 +116,7 @@ void SoftWorld::build_trees(const CollisionWorld& world) {
   trees.resize(world.statics.size());
   for (size_t i = 0; i < world.statics.size(); i++) {
     const Static& s = world.statics[i];
-    if (s.kind != Static::Kind::Mesh || trees[i]) continue;
+    if (s.kind != Static::Kind::Mesh) continue;
     // In the order in which faces were given.
     std::vector<double> corners(9 * (size_t)s.tree->size());
     std::vector<int> faces(3 * (size_t)s.tree->size());

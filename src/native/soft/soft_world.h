@@ -56,7 +56,7 @@ struct SoftWorld {
   std::vector<SoftLayer> of_static, of_shape;  // as many as there are, or fewer: the rest is hard
   std::vector<SurfaceSamples> samples;         // per shape, or fewer
   std::vector<SkinSamples> skins;
-  // Of soft static meshes: the tree that points ask. Per static, or fewer.
+  // Of static meshes: the tree that points ask. Per static, where anything is soft.
   std::vector<std::shared_ptr<const triangles::Tree>> trees;
 
   // Of hulls; per static and per shape.

@@ -97,6 +97,7 @@ void Snapshot::adopt(const Snapshot& old, const std::vector<int>& body,
   for (int i = 0; i < (int)shape.size(); i++)
     if (shape[i] >= 0) now[shape[i]] = i;
   data.cache.adopt(old.data.cache, now);
+  data.soft.adopt(old.data.soft, body, now);
 }
 
 }  // namespace hp

@@ -1,6 +1,7 @@
 #include "stepping/soft_contacts.h"
 
 #include <algorithm>
+#include <map>
 
 #include "stepping/data.h"
 #include "stepping/untouched_joints.h"
@@ -215,8 +216,9 @@ void SoftContacts::look(const System& system, Data& data, double h) {
     const bool free = rule(data, e.candidate) == Rule::Mean;
     const double share = free ? tune::kRightShare : tune::kRightShareDriven;
     const double allowed = share * size + tune::kRightImpulse;
-    const bool wrong = norm(now.force - was.force) > allowed ||
-                       norm(now.moment - was.moment) > allowed * std::max(now.lever, 1e-3);
+    const bool wrong =
+        norm(now.force - was.force) > allowed ||
+        norm(now.moment - was.moment) > allowed * std::max(now.lever, tune::kLeastLever);
     if (wrong && island.pass < tune::kMostPasses && !data.budget.out()) island.violated = true;
   }
 }
@@ -393,11 +395,11 @@ void SoftContacts::record(const System& system, Data& data, double h,
     record_points(system, data, e);
     remember(system.world, data.step.end, h, pairs_[e.pair], cells_);
   }
-  add_kick(system, data);
+  add_kick(system, data, share);
 }
 
-// The other half of impulses and of gravity.
-void SoftContacts::add_kick(const System& system, Data& data) {
+// The other half of impulses and of gravity, of trees that have begun their step.
+void SoftContacts::add_kick(const System& system, Data& data, const std::vector<double>& share) {
   const Model& model = system.model;
   const auto by_mean = [](Pressed p) { return p == Pressed::ByMean; };
   kick_.assign(model.nv, 0.0);
@@ -407,7 +409,7 @@ void SoftContacts::add_kick(const System& system, Data& data) {
   }
   const double half = 0.5 * data.step.gravity_time;
   for (const int b : system.objects) {
-    if (!system.world.active[b] || model.held[b]) continue;
+    if (!system.world.active[b] || model.held[b] || (!share.empty() && share[b] < 0)) continue;
     if (by_mean(pressed_[b]) || (level_[b] && pressed_[b] == Pressed::ByEnd))
       for (int i = 0; i < 3; i++) kick_[model.dof_first[b] + i] += half * system.gravity[i];
     level_[b] = by_mean(pressed_[b]);
@@ -429,6 +431,26 @@ const double* SoftContacts::load(const double* in) {
   active_.clear();
   rows_.clear();
   return in;
+}
+
+void SoftContacts::adopt(const SoftContacts& old, const std::vector<int>& body,
+                         const std::vector<int>& now) {
+  if (!any() || !old.any()) return;
+  for (size_t b = 0; b < body.size(); b++) level_[b] = body[b] >= 0 ? old.level_[body[b]] : 0;
+  const auto shape = [&](int i) { return i >= 0 ? now[i] : -1; };
+  std::map<int64_t, Vec3> known;
+  for (size_t k = 0; k < old.pairs_.size(); k++) {
+    const SoftPair& p = old.pairs_[k];
+    const PairId id{shape(p.shape), p.other_static, shape(p.other_shape)};
+    if (id.shape >= 0 && (id.other_static >= 0 || id.other_shape >= 0))
+      known[pair_key(id)] = old.friction_[k];
+  }
+  for (size_t k = 0; k < pairs_.size(); k++) {
+    const auto found = known.find(
+        pair_key(PairId{pairs_[k].shape, pairs_[k].other_static, pairs_[k].other_shape}));
+    if (found != known.end()) friction_[k] = found->second;
+  }
+  cells_.adopt(old.cells_, now);
 }
 
 }  // namespace hp

@@ -58,6 +58,9 @@ class SoftContacts {
 
   void save(std::vector<double>& out) const;
   const double* load(const double* in);
+  // Of what was there before, what was known then: `body` gives each body's number in `old` (-1: new),
+  // `now` each shape's number here (-1: gone).
+  void adopt(const SoftContacts& old, const std::vector<int>& body, const std::vector<int>& now);
 
  private:
   // A pair that takes part in this attempt.
@@ -81,7 +84,7 @@ class SoftContacts {
                 const std::vector<Twist>& twists);
   void record_row(const System& system, Data& data, const Contact& c);
   void record_points(const System& system, Data& data, const Entry& entry);
-  void add_kick(const System& system, Data& data);
+  void add_kick(const System& system, Data& data, const std::vector<double>& share);
 
   std::vector<SoftPair> pairs_;
   std::vector<Vec3>

@@ -89,7 +89,7 @@ def scaled_object(item: Object, factor: float) -> Object:
 
 def _scaled_soft(soft: Soft | None, factor: float) -> Soft | None:
     """A layer of the same foam, `factor` times as thick."""
-    return None if soft is None else soft.thinner(factor * soft.thickness)
+    return None if soft is None else soft.of_thickness(factor * soft.thickness)
 
 
 def weighing(item: Object, mass: float) -> Object:

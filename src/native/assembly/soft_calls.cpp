@@ -36,7 +36,7 @@ void check_areas(const Doubles& areas) {
 
 }  // namespace
 
-void set_soft_static(Stepper& s, std::string law, double thickness, double stiffness,
+void set_soft_static(Stepper& s, const std::string& law, double thickness, double stiffness,
                      double damping, double densification, double arm, double relaxation,
                      Rows3 corners) {
   const size_t n = s.system.world.statics.size();
@@ -50,8 +50,8 @@ void set_soft_static(Stepper& s, std::string law, double thickness, double stiff
   s.system.soft.of_static.back() = std::move(soft);
 }
 
-void set_soft_shape(Stepper& s, std::string law, double thickness, double stiffness, double damping,
-                    double densification, double arm, double relaxation) {
+void set_soft_shape(Stepper& s, const std::string& law, double thickness, double stiffness,
+                    double damping, double densification, double arm, double relaxation) {
   const size_t n = s.system.world.shapes.size();
   need(n > 0, "set_soft_shape: no shape");
   s.system.soft.of_shape.resize(n);

@@ -12,12 +12,12 @@ namespace hp::assembly {
 // A layer on the last static added: `law` is "linear" or "foam", `thickness` [m], `stiffness` [Pa/m],
 // `damping` [Pa s/m], `densification`, `arm`, `relaxation` [s]. `corners` (faces, 3) [m]: the thickness at
 // the corners of a mesh's faces, in the order of the faces; (0, 3): `thickness` everywhere.
-void set_soft_static(Stepper& s, std::string law, double thickness, double stiffness,
+void set_soft_static(Stepper& s, const std::string& law, double thickness, double stiffness,
                      double damping, double densification, double arm, double relaxation,
                      Rows3 corners);
 // The same on the last shape added.
-void set_soft_shape(Stepper& s, std::string law, double thickness, double stiffness, double damping,
-                    double densification, double arm, double relaxation);
+void set_soft_shape(Stepper& s, const std::string& law, double thickness, double stiffness,
+                    double damping, double densification, double arm, double relaxation);
 // Samples of the hard surface of the last rigid shape added, in its body's frame: points [m], outward
 // unit normals, and areas [m^2].
 void set_samples(Stepper& s, Rows3 points, Rows3 normals, Doubles areas);

@@ -102,7 +102,8 @@ void find_near(const CollisionWorld& world, const SoftWorld& soft, const FoamCel
     s.sample = i, s.own = layer.thickness, s.triangle = seen.triangle;
     const Seen found = look(poses, frame, samples, pair.thickness + room, s);
     // Turned toward the layer, it has all of its own thickness.
-    seen = {found == Seen::Far ? -room : s.depth + s.own, travelled, found == Seen::Away, s.triangle};
+    seen = {found == Seen::Far ? -room : s.depth + s.own, travelled, found == Seen::Away,
+            s.triangle};
     if (found != Seen::Near || s.depth + reach + samples.pitch < 0) continue;
     s.law = in_series(frame.layer().law, layer.law);
     if (s.law.stiffness <= 0) continue;  // both are hard here

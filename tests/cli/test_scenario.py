@@ -94,7 +94,7 @@ def test_page_and_pictures(tmp_path, capsys, monkeypatch):
 
 
 MISTAKES = {
-    "no name": ((), "found nothing, expected a name first: one of climb_onto_bed"),
+    "no name": ((), "found nothing, expected a name first: one of ball_on_cushion"),
     "an option first": (("--mass", 3), "found '--mass', expected a name first"),
     "unknown name": (("kick_bal",), r"unknown scenario 'kick_bal'; did you mean kick_ball\?"),
     "unknown option": (("kick_ball", "--wight", 3), "unknown option --wight; did you mean"),

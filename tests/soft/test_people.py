@@ -20,8 +20,8 @@ from support.soft.skin_pressure import pressed
 
 pytestmark = pytest.mark.slow
 
-#: What carries who sits may miss the weight by this share: the root is held by a moment of some 30 N m
-#: that nothing supplies (docs/limits.md).
+#: What carries who sits may miss the weight by this share: the root is held by a moment of some
+#: 30 N m that nothing supplies (docs/limits.md).
 SEATED = 0.06
 #: Height of the mattress [m].
 TOP = 0.45

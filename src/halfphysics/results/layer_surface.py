@@ -115,6 +115,12 @@ class LayerSurface:
         return result
 
     @cached_property
+    def way(self) -> Array:
+        """Where a vertex goes for each metre that it gives (V, 3)."""
+        result: Array = (self.inner - self.surface) / np.maximum(self.thickness, 1e-12)[:, None]
+        return result
+
+    @cached_property
     def _neighbours(self) -> tuple[Ints, Ints, Array]:
         """Starts of the edges of each vertex (V,), their other ends and lengths (E,)."""
         ends = np.concatenate([self.faces[:, [0, 1]], self.faces[:, [1, 2]], self.faces[:, [2, 0]]])
@@ -229,8 +235,7 @@ class LayerSurface:
 
     def _demand(self, pressed: Pressed) -> Array:
         """What a depth at each corner of a sample's face lowers the surface there (n, 3)."""
-        way = (self.surface - self.inner) / np.maximum(self.thickness, 1e-12)[:, None]
-        along = np.einsum("nki,ni->nk", way[pressed.corner], pressed.normal)
+        along = np.einsum("nki,ni->nk", -self.way[pressed.corner], pressed.normal)
         result: Array = pressed.share * np.clip(along, 0.3, 1.0)
         return result
 

@@ -82,7 +82,7 @@ def dent_document(stage: Stage, step: int) -> list[dict[str, Any]]:
         place = np.full(len(layer.surface), -1)
         place[dent.vertices] = np.arange(len(dent.vertices))
         at = np.flatnonzero(place[own] >= 0)
-        way = (layer.inner - layer.surface) / np.maximum(layer.thickness, 1e-12)[:, None]
+        way = np.round(layer.way[own[at]] / WAY_GRAIN)
         most = min(MOST_ROWS, max(MOST_NUMBERS // (len(at) + len(depth)), 1))
         weights, rows, _ = low_rank(depth, TOLERANCE, most)
         unit = float(np.abs(rows).max(initial=1e-6)) / 32767.0
@@ -91,7 +91,7 @@ def dent_document(stage: Stage, step: int) -> list[dict[str, Any]]:
                 "node": stage.path(name),
                 "count": len(own),
                 "at": packed(np.diff(at, prepend=0), "<i4"),
-                "way": packed(np.clip(np.round(way[own[at]] / WAY_GRAIN), -32767, 32767), "<i2"),
+                "way": packed(np.clip(way, -32767, 32767), "<i2"),
                 "rows": len(rows),
                 "unit": unit,
                 "depth": packed(np.round(rows[:, place[own[at]]] / unit), "<i2"),

@@ -58,9 +58,7 @@ class MovingSurface:
     @property
     def way(self) -> Array:
         """Where a vertex goes for each metre that it gives (W, 3)."""
-        layer = self.dent.layer
-        whole = (layer.inner - layer.surface) / np.maximum(layer.thickness, 1e-12)[:, None]
-        result: Array = whole[self.own]
+        result: Array = self.dent.layer.way[self.own]
         return result
 
 

@@ -43,7 +43,7 @@ class Command:
     """Fewer and shorter cases: under two minutes instead of under an hour."""
     only: Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="KEY")] = ()
     """A part of the report: table1, table2, table3, table4, figures4and9, figure5, figures6and7,
-    figure8, defaults or speed; repeat it for more parts, all parts by default."""
+    figure8, defaults, pressures or speed; repeat it for more parts, all parts by default."""
     data: Annotated[
         tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="KIND=FOLDER")
     ] = ()

@@ -33,7 +33,9 @@ def leaves(value, path="", seen=None):
         kept = seen, value  # ids of things that are gone are used again
         if isinstance(value, dict | FrozenMapping):
             for key, one in value.items():
-                yield from leaves(one, f"{path}[{key!r}]", seen)
+                # A set is written in the order of its hashes, which a copy need not have.
+                name = sorted(key) if isinstance(key, frozenset) else key
+                yield from leaves(one, f"{path}[{name!r}]", seen)
         elif isinstance(value, list | tuple):
             for index, one in enumerate(value):
                 yield from leaves(one, f"{path}[{index}]", seen)

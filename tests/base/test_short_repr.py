@@ -31,7 +31,7 @@ def body():
 
 
 THINGS = {
-    "Result(24 frames at 30 fps, 2 people, 4 objects, 221 contacts)": small.result,
+    "Result(24 frames at 30 fps, 2 people, 4 objects, 173 contacts)": small.result,
     "PersonResult(person0: 24 frames at 30 fps, root up to 174 mm off its path)": person,
     "Contacts(221 rows in frames 1 to 23, ": lambda: small.result().contacts,
     "Contacts(2 rows in frame 1, ": lambda: small.result().contacts[:2],

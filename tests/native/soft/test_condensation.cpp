@@ -12,7 +12,7 @@ hp::SoftPair field(double tilt, double bend) {
   for (int i = 0; i < 12; i++)
     for (int j = 0; j < 7; j++) {
       hp::NearSample s;
-      s.x = {0.02 * i + 0.3, 0.02 * j - 0.1, 0.5};
+      s.x = s.y = {0.02 * i + 0.3, 0.02 * j - 0.1, 0.5};
       s.n = {0, 0, 1};
       s.area = 4e-4, s.edge = 1e-5, s.thickness = 0.1;
       s.law.stiffness = 2e5;

@@ -30,14 +30,14 @@ FLUNG, FLUNG_EVER = 7.5, 11.0
 #: "Unchanged": joints followed exactly [m, rad], and with Algorithm 1, where torques push
 #: the whole person, the legs' deviation by the arms' reaction [rad].
 EXACT, REACTION = 1e-9, np.radians(1.0)
-#: An arm that comes out of the trunk can brush the head or the hip on its way, which gives way for a
-#: moment. Which way it comes out of 2 cm of overlap hangs on the last bits: in some half of the starts
-#: it brushes something, by up to 21 degrees in 80 starts, of older cores too, and is back within ten
-#: frames. So joints of others may bend by the first, and at the end by no more than the second [rad].
+#: An arm that comes out of the trunk can brush the head or the hip, which gives way for a moment.
+#: Which way it comes out of 2 cm of overlap hangs on the last bits: in some half of the starts it
+#: brushes something, by up to 21 degrees in 80 starts, of older cores too, and is back within ten
+#: frames. So joints of others may bend by the first, and at the end by the second [rad].
 BRUSHED = {"arms_crossed": 0.4, "hands_on_hips": 0.4}
 BACK = 1e-3
-#: Hands that start 2 cm inside the hips cannot always leave them by the arms alone; then the whole person
-#: gives way by millimetres: in 6 of 10 starts by up to 6, in an older core too [m].
+#: Hands that start 2 cm inside the hips cannot always leave them by the arms alone; then the whole
+#: person gives way, in 6 of 10 starts by up to 6 mm, in an older core too [m].
 NUDGED = 0.01
 #: Limbs that touch in each case and may deviate.
 INVOLVED = {

@@ -147,8 +147,9 @@ def test_what_fails_is_left_out(monkeypatch, caplog):
 
     monkeypatch.setattr(notebook, "render", fails)
     monkeypatch.setattr("halfphysics.metrics.result_report.summary", fails)
+    result = small.result()
     with caplog.at_level("DEBUG", logger="halfphysics"):
-        text = small.result()._repr_html_()
+        text = result._repr_html_()
     assert "Result(24 frames at 30 fps, 2 people, 4 objects, 173 contacts)" in text
     assert "<img" not in text
     assert [r.getMessage() for r in caplog.records] == [

@@ -55,12 +55,13 @@ _RANGES: Mapping[tuple[str, str], tuple[float, float, float]] = MappingProxyType
 
 
 def options(scenario: str) -> tuple[Option, ...]:
-    """Options of a built-in scenario besides mass and friction; a file has none."""
+    """Options of a built-in scenario that are numbers, besides mass and friction; a file has none."""
     if scenario not in scenarios.names():
         return ()
     found = []
     for name, default in scenarios.options(scenario).items():
-        if name in _ELSEWHERE or isinstance(default, bool | str | tuple):
+        number = isinstance(default, int | float) and not isinstance(default, bool)
+        if name in _ELSEWHERE or not number:
             continue
         if (scenario, name) in _RANGES:
             low, high, value = _RANGES[scenario, name]

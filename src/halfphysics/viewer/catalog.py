@@ -38,8 +38,12 @@ class Option:
 # Ranges of sliders other than 0 to twice the default: (low, high, value).
 _RANGES: Mapping[tuple[str, str], tuple[float, float, float]] = MappingProxyType(
     {
+        ("ball_on_cushion", "height"): (0.75, 1.2, 1.0),
+        ("ball_on_cushion", "radius"): (0.05, 0.15, 0.11),
         ("close_drawer", "travel"): (0.05, 0.3, 0.28),
         ("doorway", "right_jamb"): (-0.6, 0.0, -0.235),
+        ("jump_on_bed", "height"): (0.02, 0.4, 0.15),
+        ("jump_on_bed", "jumps"): (1, 5, 2),
         ("kick_ball", "radius"): (0.04, 0.3, 0.11),
         ("kick_ball", "speed"): (0.5, 15.0, 5.5),
         ("lift_suitcase", "carry"): (1.0, 10.0, 5.0),
@@ -48,6 +52,7 @@ _RANGES: Mapping[tuple[str, str], tuple[float, float, float]] = MappingProxyType
         ("meet", "stature"): (1.2, 2.0, 1.6),
         ("push_door", "speed"): (0.2, 2.2, 1.0),
         ("shake_hands", "stature"): (1.5, 1.9, 1.6),
+        ("squeeze_pillow", "carry"): (1.0, 10.0, 1.5),
         ("walk_into_wall", "speed"): (0.2, 2.2, 1.5),
         ("walk_into_wall", "thickness"): (0.005, 0.1, 0.01),
     }

@@ -60,7 +60,7 @@ _RANGES: Mapping[tuple[str, str], tuple[float, float, float]] = MappingProxyType
 
 
 def options(scenario: str) -> tuple[Option, ...]:
-    """Options of a built-in scenario that are numbers, besides mass and friction; a file has none."""
+    """Options of a built-in scenario that are numbers, but mass and friction; none of a file."""
     if scenario not in scenarios.names():
         return ()
     found = []

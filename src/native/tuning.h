@@ -1016,7 +1016,7 @@ namespace hp::tuning::soft {
 // Patches of one pair: of samples whose layers face the same way, by this cosine (45 degrees) from the one
 // that is pressed most. More: more rows to solve; fewer: moments are coarser where a shape wedges.
 constexpr int kMostPatches = 3;
-constexpr double kPatchNormal = 0.7;
+constexpr double kSamePatch = 0.7;
 // A patch narrower than this about its middle is a line, or a point [m].
 constexpr double kPointSpread = 5e-4;
 // Nor does a patch of a person turn its part by more than its middle does, where it resists turning by less
@@ -1030,7 +1030,7 @@ constexpr double kSeenMargin = 0.03, kTurningWay = 0.005;
 // Edge of a cell that foam remembers in [m], and the memory that is none [m]. Smaller cells: a dent of finer
 // shape, and what slides finds fresh foam more often.
 // The grid is shifted by a share of a cell, so that no surface at a round number lies on a border.
-constexpr double kCell = 0.02, kCellShift = 0.3717, kForgotten = 1e-5;
+constexpr double kFoamCell = 0.02, kCellShift = 0.3717, kForgotten = 1e-5;
 // Objects on layers so stiff that (omega h)^2 is over this are stepped by implicit Euler: a step does not
 // show their bounce, and a rule that keeps its energy would ring.
 constexpr double kStiffBounce = 1;
@@ -1044,12 +1044,12 @@ constexpr double kNoDistance = 1e-9;
 // Depths spread by no less over a sample [m]: means are differences over it.
 constexpr double kLeastEdge = 1e-5;
 // A change of depth by less has the pressure of its middle [m].
-constexpr double kNoWay = 1e-6;
+constexpr double kNoIndent = 1e-6;
 // How far beyond what is asked a distance is measured, that it need not be soon again [m].
 constexpr double kRoomMargin = 0.2;
 // Solves of a step in which condensed pressures are looked at again, at most. What is then left is
 // accepted: the hard frames are kept all the same.
-constexpr int kMostPasses = 5;
+constexpr int kMostLooks = 5;
 // What looking at a sample is taken to cost [multiplications, of 0.125 ns].
 constexpr double kSampleWork = 2e3;
 // The pressures at the end are those of the solve if the sums of force and moment differ by less than this

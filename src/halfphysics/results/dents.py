@@ -13,12 +13,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.copying import FrozenMapping
 from halfphysics.results.layer_rows import LayerRows, item_of, pressed_items, rows_of
 from halfphysics.results.layer_surface import REACH, LayerSurface
 
@@ -85,7 +85,7 @@ def dents_of(result: Result) -> Mapping[str, Dent]:
     contacts = result.soft_contacts
     found: dict[str, Dent] = {}
     if contacts is None:
-        return MappingProxyType(found)
+        return FrozenMapping(found)
     for index in pressed_items(result, contacts):
         name, item = result.names[index], item_of(result, index)
         assert item is not None
@@ -94,7 +94,7 @@ def dents_of(result: Result) -> Mapping[str, Dent]:
         made = dent_of(name, layer_of(item), rows, len(result), 1.0 / result.fps, item.soft)
         if len(made.vertices):
             found[name] = made
-    return MappingProxyType(found)
+    return FrozenMapping(found)
 
 
 def layer_of(item: Static | Object) -> LayerSurface:

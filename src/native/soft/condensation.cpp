@@ -36,7 +36,7 @@ int find_patches(const SoftPair& pair, std::vector<int>& patch) {
     if (best < 0) return n;
     seed[n] = near[best].n;
     for (size_t i = 0; i < near.size(); i++)
-      if (near[i].pressure > 0 && patch[i] < 0 && dot(near[i].n, seed[n]) > tune::kPatchNormal)
+      if (near[i].pressure > 0 && patch[i] < 0 && dot(near[i].n, seed[n]) > tune::kSamePatch)
         patch[i] = n;
   }
   for (size_t i = 0; i < near.size(); i++) {

@@ -18,7 +18,7 @@ void FoamCells::clear() {
 FoamCells::Key FoamCells::key(int layer, Vec3 at) {
   Key out{layer, 0, 0, 0};
   for (int i = 0; i < 3; i++) {
-    const double cell = std::floor(at[i] / tune::kCell + tune::kCellShift);
+    const double cell = std::floor(at[i] / tune::kFoamCell + tune::kCellShift);
     out[i + 1] = (int)std::fmax(-1e9, std::fmin(cell, 1e9));
   }
   return out;

@@ -171,7 +171,7 @@ void press_by_mean(const Spread& at, double h, NearSample& s) {
   const double way = s.depth - s.before, middle = s.before + 0.5 * way;
   const double share = s.pressed = at.share(middle);
   const double arm = law.arm * law.stiffness / (1 + 0.5 * h / law.relaxation);
-  if (std::fabs(way) > tune::kNoWay) {
+  if (std::fabs(way) > tune::kNoIndent) {
     s.pressure = (at.energy(s.depth) - at.energy(s.before)) / way;
     s.slope = (at.pressure(s.depth) - s.pressure) / way;
   } else {

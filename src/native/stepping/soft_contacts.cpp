@@ -219,7 +219,7 @@ void SoftContacts::look(const System& system, Data& data, double h) {
     const bool wrong =
         norm(now.force - was.force) > allowed ||
         norm(now.moment - was.moment) > allowed * std::max(now.lever, tune::kLeastLever);
-    if (wrong && island.pass < tune::kMostPasses && !data.budget.out()) island.violated = true;
+    if (wrong && island.pass < tune::kMostLooks && !data.budget.out()) island.violated = true;
   }
 }
 

@@ -53,7 +53,6 @@ if [ $# -eq 0 ]; then
   # Slow tests run the same code for longer; the fuzzer's cases are new.
   set -- -m "not slow or fuzz" \
     tests/native/dynamics/test_kinematic_tree.py tests/native/geometry/test_convex.py \
-    tests/native/compiled/test_replay.py \
     tests/reference/test_step.py tests/simulation/test_{mesh_trees,simulator,objects,fuzz}.py \
     tests/body/test_skinning.py tests/geometry/test_mesh_queries.py \
     tests/metrics/test_penetration.py tests/render/test_{result_meshes,rasterizer,contact_sheet}.py \

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import fsolve
 
+import halfphysics as hp
 from halfphysics.base import rotations as rot
 from halfphysics.geometry.shapes import Box, Cylinder, Plane, Sphere
 from halfphysics.scene.scene import Scene
@@ -170,3 +171,19 @@ def test_a_stiffer_layer_converges_to_the_rigid_floor():
     way = np.linalg.norm(rigid.poses[-1, :2])
     assert off[1] < 0.01 * way
     assert off[1] < 0.35 * off[0]
+
+
+#: Heights of the same block over time, foam on the floor or under itself [m].
+ALIKE = 1e-6
+
+
+@pytest.mark.parametrize("mass", [1.0, 50.0])
+@pytest.mark.parametrize("material", ["sofa", "mattress", "pillow", "mat"])
+def test_foam_carries_alike_on_the_floor_and_under_the_thing(material, mass):
+    """A block of foam on a hard floor sinks as a hard one into the same foam, without a hop."""
+    size, layer = (0.5, 0.5, 0.4), hp.Soft.named(material, thickness=0.1)
+    under = run(on_floor(layer, Box(size), 0.2, mass), 1.0)
+    thing = run(on_floor(None, Box(size), 0.2, mass, soft=layer), 1.0)
+    np.testing.assert_allclose(thing.height, under.height, atol=ALIKE)
+    assert thing.height.max() <= 0.2
+    np.testing.assert_allclose(thing.positions[:, 0, :2], 0.0, atol=ALIKE)

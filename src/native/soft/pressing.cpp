@@ -58,9 +58,10 @@ Seen look(const SamplePoses& poses, const FrameDistance& frame, const SurfaceSam
   const double area = samples.areas[s.sample];
   // What presses is the point of the unloaded surface above the hard point.
   s.x = s.y = x + s.own * s.normal, s.n = p.n, s.at = p.at, s.triangle = p.triangle;
-  s.thickness = p.thickness + s.own * cosine;
-  s.depth = s.thickness - p.distance;
+  s.depth = p.thickness + s.own * cosine - p.distance;
   s.edge = spread(area, cosine);
+  // What is askew is pressed in by less, of foam that is no thinner; nor than its depths spread.
+  s.thickness = std::max(p.thickness + s.own, s.edge);
   s.area = area * cosine;
   return facing < tune::kFacesAway ? Seen::Away : Seen::Near;
 }

@@ -40,8 +40,9 @@ struct NearSample {
   Vec3 x, n;  // of the hard point; from the layer outward, unit
   Vec3 at;    // nearest point of the frame
   Vec3 y;     // where its impulse acts: x; with Rule::Mean between the poses at start and end
-  double depth = -1e300, edge = 0, thickness = 0;  // d, e and both layers [m]
-  double area = 0;                                 // as the layer sees it [m^2]
+  double depth = -1e300, edge = 0;  // d and e [m]
+  double thickness = 0;             // t of the law: of both layers [m]
+  double area = 0;                  // as the layer sees it [m^2]
   // Of the step that ends there:
   double pressure = 0;  // [Pa]
   double arm = 0;       // p_m [Pa], over the share of the sample that is pressed

@@ -41,13 +41,14 @@ def contents(model: Any) -> tuple[dict[str, Any], dict[str, Any]]:
     return head, {name: getattr(model, name) for name in ARRAYS if hasattr(model, name)}
 
 
-def _limit(memory: int) -> None:
+def _limit(memory: int, seconds: int) -> None:
     try:
         import resource
     except ImportError:  # Windows
         return
     kind = resource.RLIMIT_DATA if sys.platform == "linux" else resource.RLIMIT_AS
-    for which, most in ((kind, memory), (resource.RLIMIT_CORE, 0)):
+    limits = ((kind, memory), (resource.RLIMIT_CPU, seconds), (resource.RLIMIT_CORE, 0))
+    for which, most in limits:
         try:
             _, hard = resource.getrlimit(which)
             most = most if hard == resource.RLIM_INFINITY else min(most, hard)
@@ -76,7 +77,7 @@ def read(request: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
 
 
 def main() -> None:
-    _limit(int(sys.argv[1]))
+    _limit(int(sys.argv[1]), int(sys.argv[2]))
     request = json.loads(sys.stdin.buffer.read())
     import numpy as np
 

@@ -70,7 +70,8 @@ def compiled(what: str, source: dict[str, Any], *, assets: int = 0) -> CompiledM
         if answer.failure:
             raise InputError(
                 f"{what}: {answer.failure}, expected a model that MuJoCo reads within "
-                f"{seconds:.0f} s and {memory / 2**30:.1f} GiB. Does it attach or replicate itself?"
+                f"{seconds:.0f} s of a processor and {memory / 2**30:.1f} GiB. Does it attach or "
+                "replicate itself?"
             )
         head, arrays = _parsed(answer.output)
     if "error" in head:

@@ -59,6 +59,16 @@ def test_who_stands_or_is_sunk_does_not_float():
         assert report.gap == pytest.approx(np.full(5, height), abs=1e-9)
 
 
+def test_a_layer_carries_from_its_surface_downwards():
+    scene = Scene()
+    scene.add_static("mattress", Box((4.0, 4.0, 0.5)), position=(0, 0, -0.25), soft="mattress")
+    for height, percent in ((-0.12, 0.0), (0.0, 0.0), (0.02, 100.0)):
+        motion, body = standing(np.full(5, height))
+        report = metrics.floating(motion, body, scene)
+        assert report.percent == percent
+        assert report.gap == pytest.approx(np.full(5, height), abs=1e-9)
+
+
 def test_a_quarter_of_the_frames():
     motion, body = standing([0.0, 0.0, 0.0, 0.04])
     report = metrics.floating(motion, body, floor())

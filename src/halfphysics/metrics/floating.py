@@ -65,8 +65,9 @@ def floating(
 
     The gap is the minimum distance of any skin (soles, seat, back, hands) from a surface of a
     static, an object or a link from which the shortest way to the skin rises by at least 30
-    degrees: a wall beside a person carries nobody. A person floats where it is over `tolerance`
-    and `reference` is not airborne (`halfphysics.metrics.airborne`).
+    degrees: a wall beside a person carries nobody. What is soft carries from the surface that
+    nothing presses downwards. A person floats where the gap is over `tolerance` and `reference` is
+    not airborne (`halfphysics.metrics.airborne`).
 
     Args:
         motion: T frames.
@@ -94,7 +95,7 @@ def floating(
             f"reference: found {len(reference)} frames, expected {len(motion)} as of the motion"
         )
     every = np.zeros(len(body.vertices(motion, slice(0, 1))[0]), dtype=np.intp)
-    found = carrying_gaps(motion, body, scene, every, objects=objects, reach=MOST)
+    found = carrying_gaps(motion, body, scene, every, objects=objects, reach=MOST, visible=True)
     return floating_from(found.whole, airborne(reference, body), tolerance)
 
 

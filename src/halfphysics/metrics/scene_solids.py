@@ -66,16 +66,24 @@ def tracks_of(
     return tracks
 
 
-def solids_of(scene: Scene, tracks: Mapping[str, tuple[Array, Array]]) -> dict[str, list[Solid]]:
+def solids_of(
+    scene: Scene, tracks: Mapping[str, tuple[Array, Array]], *, visible: bool = False
+) -> dict[str, list[Solid]]:
     """Solids that a person can penetrate, by name; a link has one solid per geom.
 
-    Of what is soft, the hard frame.
+    Of what is soft, the hard frame; `visible`: the surface that nothing presses.
 
     The statics, and the objects and links with a track, except those that people ignore.
     """
     links = links_of(scene)
     found: dict[str, list[Solid]] = {
-        name: [(static.frame, static.position[None], static.quaternion[None])]
+        name: [
+            (
+                static.shape if visible else static.frame,
+                static.position[None],
+                static.quaternion[None],
+            )
+        ]
         for name, static in scene.statics.items()
         if not scene.ignores(name, PERSON)
     }
@@ -85,7 +93,7 @@ def solids_of(scene: Scene, tracks: Mapping[str, tuple[Array, Array]]) -> dict[s
             continue
         if link is None:
             item = scene.objects[name]
-            shape = item.true_shape if item.soft is None else item.frame
+            shape = item.true_shape if visible or item.soft is None else item.frame
             found[name] = [(shape, position, turn)]
             continue
         found[name] = []

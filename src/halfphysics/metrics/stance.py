@@ -138,7 +138,9 @@ def stance_slide(result: Result, person: int = 0) -> StanceReport:
     subject, scene, objects = result.people[person], result.scene, result.objects
     patch = sole_patches(subject.body)
     asked, got = (
-        carrying_gaps(motion, subject.body, scene, patch, objects=objects, reach=2.0 * FAR)
+        carrying_gaps(
+            motion, subject.body, scene, patch, objects=objects, reach=2.0 * FAR, visible=True
+        )
         for motion in (asked_motion(subject), subject.motion)
     )
     in_air = airborne(asked_motion(subject), subject.body)

@@ -65,7 +65,13 @@ def _floats(result: Result, person: PersonResult) -> list[str]:
     def measured(motion: Motion) -> FloatReport:
         every = np.zeros(len(person.body.rest_vertices), dtype=np.intp)
         gaps = carrying_gaps(
-            motion[::step], person.body, result.scene, every, objects=tracks, reach=MOST
+            motion[::step],
+            person.body,
+            result.scene,
+            every,
+            objects=tracks,
+            reach=MOST,
+            visible=True,
         )
         return floating_from(gaps.whole, in_air[::step].copy())
 

@@ -96,6 +96,7 @@ def carrying_gaps(
     *,
     objects: Mapping[str, Any] | None = None,
     reach: float = 1.0,
+    visible: bool = False,
 ) -> Gaps:
     """Smallest gaps of groups of skin vertices above the surfaces that can carry them.
 
@@ -109,12 +110,15 @@ def carrying_gaps(
         group: Group of every vertex (V,), 0 to G - 1, or -1: not measured.
         objects: Name -> track of T poses, as in ``result.objects``; those not named are left out.
         reach: Largest gap that is measured [m]; beyond it is inf.
+        visible: Whether gaps to what is soft are those to its surface that nothing presses; else
+            to its hard frame.
 
     Raises:
         InputError: A track of another length, or of no object of the scene.
     """
     frames, count = frames_of(motion), int(group.max()) + 1
-    solids = solids_of(scene, tracks_of(scene, objects or {}, frames))
+    tracks = tracks_of(scene, objects or {}, frames)
+    solids = solids_of(scene, tracks, visible=visible)
     found = _Nearest(np.full((frames, count), float(reach)))
     rest = _rest_normals(body)
     # Bounds are taken part by part: what stands needs no look at the head.

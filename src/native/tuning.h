@@ -895,6 +895,9 @@ constexpr double kGiveUp = 1.5, kGiveUpTurn = 3;
 // Who moves steps from these on [m, rad]; who has come to rest puts the feet where they belong to these.
 constexpr double kStepAt = 0.08, kStepTurn = 0.25, kTidyAt = 0.03, kTidyTurn = 0.1;
 constexpr double kTidySpeed = 0.03, kTidySpin = 0.05;  // of who moves [m/s, rad/s]
+// Two feet that differ by less than this are as late as each other: a share of what lets one step. More than
+// what a second of contact leaves of rounding, less than anybody sees.
+constexpr double kAlikeLate = 1e-3;
 // How long both feet have stood before one of them is lifted [s]: the two of a walk stand together for 0.1 s.
 // Who waits lifts one as soon as it stands.
 constexpr double kStood = 0.2, kStoodToWait = 0.05;

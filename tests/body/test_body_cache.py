@@ -29,7 +29,8 @@ def unknown(**changes):
 
 
 def made(body):
-    pieces = without_inner(body.skin_hulls, body.weights, body.rest_vertices, body.posedirs)
+    image = None if body.symmetry is None else body.symmetry.vertex
+    pieces = without_inner(body.skin_hulls, body.weights, body.rest_vertices, body.posedirs, image)
     return build_variant(body), pieces
 
 

@@ -16,11 +16,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import halfphysics as hp
-from halfphysics.actors.clip import MIRRORED
 from halfphysics.base import rotations as rot
 from halfphysics.body.body import Body
 from halfphysics.geometry.shapes import Box, Mesh, Plane
 from halfphysics.motion.motion import Motion
+from halfphysics.motion.skeleton import MIRRORED
 from halfphysics.settings import AS_IT_IS, Settings
 from support.people import along_x
 

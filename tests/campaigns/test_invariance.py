@@ -34,9 +34,25 @@ def test_the_motion_put_elsewhere_is_the_motion_seen_from_there(body, name):
     np.testing.assert_allclose(seen, body.joints(case.motion), atol=1e-12)
 
 
-def test_a_jamb_stops_people_alike_wherever_it_is(body):
-    case = dict(cases("skin"))["jamb"]
-    assert joints(case, PLACES["yaw"], body)[1] < len(case.motion) - 1  # it is touched
-    for name, (second, whole) in differences(case, body).items():
-        assert second <= FIRST, name
-        assert whole <= WHOLE, name
+#: Scenes with room to the limits: the others, where people are pressed evenly on left and right or
+#: on a few points, keep them too, but what rounding leaves there grows by a thousand in a second.
+SCENES = (
+    "jamb",
+    "climb_onto_bed",
+    "crawl_under_table",
+    "leg_through_table",
+    "sit_on_sofa",
+    "step_back_onto_cabinet",
+)
+#: Largest difference over the first second that was seen in them: 3.4e-8 m.
+SECOND = 0.5 * FIRST
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_people_end_alike_wherever_it_is(body, name):
+    """Beside by a nanometre, turned, 100 m away, and mirrored."""
+    case = dict(cases("skin"))[name]
+    assert joints(case, PLACES["yaw"], body)[1] < len(case.motion) - 1  # something is touched
+    for place, (second, whole) in differences(case, body).items():
+        assert second <= SECOND, place
+        assert whole <= WHOLE, place

@@ -27,23 +27,13 @@ from halfphysics.base import rotations as rot
 from halfphysics.base.validation import number, vector
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.pose import Pose
-from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
+from halfphysics.motion.skeleton import MIRRORED
 
 if TYPE_CHECKING:
     from halfphysics.actors.seen import Seen
     from halfphysics.body.body import Body
 
 Array = NDArray[np.float64]
-
-#: Joint -> its mirror image.
-MIRRORED = np.array(
-    [
-        JOINT_INDEX[
-            name.replace("left_", "right_") if "left_" in name else name.replace("right_", "left_")
-        ]
-        for name in JOINT_NAMES
-    ]
-)
 
 # A round that turns by less goes straight on [rad].
 _STRAIGHT = 0.21

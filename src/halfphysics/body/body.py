@@ -25,6 +25,7 @@ from halfphysics.motion.skeleton import N_JOINTS
 if TYPE_CHECKING:
     from halfphysics.body.rigid_parts import Variant
     from halfphysics.body.skin_hulls import SkinHulls
+    from halfphysics.body.symmetry import Symmetry
     from halfphysics.motion.motion import Motion
     from halfphysics.motion.pose import Pose
 
@@ -331,6 +332,14 @@ class Body(InNotebook, ReadOnly):
 
         variant = variant_of(self)
         return variant if self.given_mass is None else variant.weighing(self.given_mass)
+
+    @cached_property
+    def symmetry(self) -> Symmetry | None:
+        """Which vertices and faces of the model's mean skin mirror which; None: it is uneven."""
+        from halfphysics.body.symmetry import symmetry_of
+
+        mean = self.rest_vertices if self.mean_vertices is None else self.mean_vertices
+        return symmetry_of(self.faces, mean)
 
     @cached_property
     def skin_hulls(self) -> SkinHulls:

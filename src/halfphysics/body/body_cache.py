@@ -79,7 +79,8 @@ def corners_of(body: Body) -> SkinHulls:
         clock = Stopwatch(logger)
         with bars.bar(1, "making the hulls of a skin", "body"):
             hulls = body.skin_hulls
-            corners = without_inner(hulls, body.weights, body.rest_vertices, body.posedirs)
+            image = None if body.symmetry is None else body.symmetry.vertex
+            corners = without_inner(hulls, body.weights, body.rest_vertices, body.posedirs, image)
         write_corners(body, corners)
         clock.done("made the hulls of the skin of %r", body)
     return corners

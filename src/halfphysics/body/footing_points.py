@@ -2,6 +2,10 @@
 
 What the core's footing (src/native/footing) looks under. A point is carried by the two joints that
 weigh most on its vertex; pose blend shapes, of a millimetre or two there, are left out.
+
+They are chosen on the left, with their mirror images on the right (`body/symmetry.py`): a person in
+a mirrored scene stands as the mirror image does. A skin that is not its own mirror image has those
+of each side by themselves.
 """
 
 from __future__ import annotations
@@ -73,10 +77,16 @@ _MADE: WeakKeyDictionary[Body, FootingPoints] = WeakKeyDictionary()
 
 
 def _made(body: Body) -> FootingPoints:
-    soles = [_sole(body, side) for side in SIDES]
-    hands = _far_apart(body, np.flatnonzero(_carried_by(body, _HAND)), HAND_POINTS)
+    image = None if body.symmetry is None else body.symmetry.vertex
+    rest = body.rest_vertices if body.symmetry is None else body.symmetry.even(body.rest_vertices)
+    soles = [_sole(body, rest, side) for side in SIDES]
+    hands = np.flatnonzero(_carried_by(body, _HAND))
     resting = np.flatnonzero(~_carried_by(body, _NOT_RESTING))
-    vertex = np.concatenate([*soles, _far_apart(body, resting, SKIN_POINTS), hands])
+    if image is not None:
+        soles[1] = image[soles[0]]
+    skin = _far_apart(rest, resting, SKIN_POINTS, image)
+    hands = _far_apart(rest, hands, HAND_POINTS, image)
+    vertex = np.concatenate([*soles, skin, hands])
     joints = np.argsort(-body.weights[vertex], axis=1, kind="stable")[:, :2]
     weights = np.take_along_axis(body.weights[vertex], joints, axis=1)
     weights = weights / weights.sum(axis=1, keepdims=True)
@@ -86,19 +96,19 @@ def _made(body: Body) -> FootingPoints:
     return FootingPoints(joints, weights, local, normals, counts, len(hands))
 
 
-def _sole(body: Body, side: str) -> Ints:
+def _sole(body: Body, rest: Array, side: str) -> Ints:
     """The lowest vertex of every cell of a sole that has one, and points all over the foot."""
     of_foot = [JOINT_INDEX[f"{side}_ankle"], JOINT_INDEX[f"{side}_foot"]]
     vertex = np.flatnonzero(body.weights[:, of_foot].sum(axis=1) > FOOT_WEIGHT)
     if not len(vertex):
         return vertex
-    foot, (x, height, along) = vertex, body.rest_vertices[vertex].T
+    foot, (x, height, along) = vertex, rest[vertex].T
     low = height < height.min() + SOLE_HEIGHT * body.stature
     vertex, x, height, along = vertex[low], x[low], height[low], along[low]
     cell = _cells(along, SOLE_CELLS[0]) * SOLE_CELLS[1] + _cells(x, SOLE_CELLS[1])
     order = np.lexsort((vertex, height, cell))
     first = np.unique(cell[order], return_index=True)[1]
-    lowest, spread = vertex[order[first]], _far_apart(body, foot, FOOT_POINTS)
+    lowest, spread = vertex[order[first]], _far_apart(rest, foot, FOOT_POINTS, None)
     sole: Ints = np.unique(np.concatenate([lowest, spread]))
     return sole
 
@@ -116,18 +126,28 @@ def _carried_by(body: Body, parts: tuple[str, ...]) -> NDArray[np.bool_]:
     return carried
 
 
-def _far_apart(body: Body, vertex: Ints, count: int) -> Ints:
-    """So many of some vertices, each as far as can be from those before it; the lowest first."""
+def _far_apart(rest: Array, vertex: Ints, count: int, image: Ints | None) -> Ints:
+    """So many of some vertices, each as far as can be from those before it; the lowest first.
+
+    With the `image` of each vertex (V,) the image of what is chosen is chosen next; one that is in
+    the middle may be left over, so there may be one less.
+    """
     if not len(vertex):
         return vertex
-    at = body.rest_vertices[vertex]
-    chosen = [int(np.argmin(at[:, 1]))]
-    distance = np.full(len(at), np.inf)
-    for _ in range(min(count, len(at)) - 1):
-        distance = np.minimum(distance, ((at - at[chosen[-1]]) ** 2).sum(axis=1))
-        chosen.append(int(np.argmax(distance)))
-    spread: Ints = vertex[chosen]
-    return spread
+    at = rest[vertex]
+    chosen: list[int] = []
+    distance = np.where(at[:, 1] == at[:, 1].min(), np.inf, np.finfo(np.float64).max)
+    while len(chosen) < min(count, len(at)):
+        k = int(np.argmax(distance))
+        found = [int(vertex[k])]
+        if image is not None and image[found[0]] != found[0]:
+            found.append(int(image[found[0]]))
+        if len(chosen) + len(found) > count:
+            break
+        for one in found:
+            chosen.append(one)
+            distance = np.minimum(distance, ((at - rest[one]) ** 2).sum(axis=1))
+    return np.array(chosen, dtype=np.int64)
 
 
 def _normals(body: Body) -> Array:

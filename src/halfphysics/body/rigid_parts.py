@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 
 from halfphysics.base.copying import ReadOnly
 from halfphysics.base.short_repr import short_repr
-from halfphysics.body.mass import solid_parts
+from halfphysics.body.mass import Solid, solid_parts
 from halfphysics.body.part_hull import PartHull, part_hull
+from halfphysics.body.symmetry import FLIP, symmetry_of
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.geometry.colliders import ConvexCollider, hull_collider
-from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS, PARENTS
+from halfphysics.motion.skeleton import JOINT_NAMES, MIRRORED, N_JOINTS, PARENTS
 
 Array = NDArray[np.float64]
 
@@ -143,6 +144,8 @@ def build_variant(body: Skin, *, density: float = DENSITY, mass: float | None = 
         )
     fine = [i for i, hull in enumerate(hulls) if hull.volume < FINE_VOLUME]
     solid = solid_parts(skin, faces, labels, N_JOINTS, fine)
+    if _is_mirrored(skin, joints, faces, labels):
+        hulls, solid = _mirrored_hulls(hulls), _even(solid)
     if mass is not None:
         density = mass / solid.total
     parts = []
@@ -168,6 +171,44 @@ def build_variant(body: Skin, *, density: float = DENSITY, mass: float | None = 
         joint_offsets=_fixed(offsets),
         volume=solid.total,
         mass=float(sum(part.mass for part in parts)),
+    )
+
+
+def _is_mirrored(
+    skin: Array, joints: Array, faces: NDArray[np.int64], labels: NDArray[np.int64]
+) -> bool:
+    """Whether a body is its own mirror image, to the last bit."""
+    symmetry = symmetry_of(faces, skin)
+    return (
+        symmetry is not None
+        and symmetry.is_exact(skin)
+        and bool((joints[MIRRORED] * FLIP == joints).all())
+        and bool((labels[symmetry.vertex] == MIRRORED[labels]).all())
+    )
+
+
+def _mirrored_hulls(hulls: list[PartHull]) -> list[PartHull]:
+    """The same hulls, those of the right as images of the left: hulls' rounding has no side."""
+    return [
+        hull
+        if i <= k
+        else replace(
+            hulls[k],
+            vertices=hulls[k].vertices * FLIP,
+            faces=np.ascontiguousarray(hulls[k].faces[:, ::-1]),
+        )
+        for i, (k, hull) in enumerate(zip(MIRRORED.tolist(), hulls, strict=True))
+    ]
+
+
+def _even(solid: Solid) -> Solid:
+    """The mean of volumes and their mirror image: samples along rays are not mirrored to a bit."""
+    flip = np.outer(FLIP, FLIP)
+    return replace(
+        solid,
+        volume=0.5 * (solid.volume + solid.volume[MIRRORED]),
+        centroid=0.5 * (solid.centroid + solid.centroid[MIRRORED] * FLIP),
+        moment=0.5 * (solid.moment + solid.moment[MIRRORED] * flip),
     )
 
 

@@ -17,13 +17,18 @@ from scipy.spatial import ConvexHull, QhullError
 from halfphysics.body.skin_hulls import SkinHulls
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 #: Largest |R - I| of any rotation R, by the Frobenius norm: half a turn.
 FARTHEST = 2.0 * np.sqrt(2.0)
 
 
 def without_inner(
-    hulls: SkinHulls, weights: Array, rest_vertices: Array, posedirs: Array | None
+    hulls: SkinHulls,
+    weights: Array,
+    rest_vertices: Array,
+    posedirs: Array | None,
+    image: Ints | None = None,
 ) -> SkinHulls:
     """The same hulls of fewer vertices, at every pose of this shape (not of others).
 
@@ -34,6 +39,8 @@ def without_inner(
         weights: Skinning weights, shape (V, 55).
         rest_vertices: Skin of the shape at rest [m], shape (V, 3).
         posedirs: Pose blend shapes [m], shape (V, 3, 486), or None.
+        image: Of each vertex its mirror image (V,), or None. Of hulls that mirror each other, or
+            themselves, a vertex stays where its image does.
     """
     moved = np.zeros(len(rest_vertices))
     if posedirs is not None:
@@ -41,17 +48,35 @@ def without_inner(
         square = np.einsum("vijk,vijk->vj", by_joint, by_joint)  # the squares alone are 100 MB
         moved = FARTHEST * np.sqrt(square).sum(axis=1)
     kind = _kinds(weights)
-    sets = []
-    for some in np.split(hulls.vertex, hulls.first[1:-1]):
+    needed = []
+    hull_sets = np.split(hulls.vertex, hulls.first[1:-1])
+    for some in hull_sets:
         keep = np.ones(len(some), dtype=bool)
         for group in _groups(kind[some]):
             keep[group] = _may_be_corner(rest_vertices[some[group]], moved[some[group]])
-        sets.append(some[keep])
+        needed.append(keep)
+    if image is not None:
+        _keep_images(hull_sets, needed, image)
+    sets = [some[keep] for some, keep in zip(hull_sets, needed, strict=True)]
     return SkinHulls(
         part=hulls.part.copy(),
         first=np.cumsum([0, *(len(s) for s in sets)], dtype=np.int64),
         vertex=np.concatenate([np.zeros(0, dtype=np.int32), *sets]),
     )
+
+
+def _keep_images(
+    sets: list[NDArray[np.int32]], needed: list[NDArray[np.bool_]], image: Ints
+) -> None:
+    """Of sets that mirror each other keep the same vertices, in place."""
+    by_set = {np.sort(some).tobytes(): k for k, some in enumerate(sets)}
+    was = [keep.copy() for keep in needed]
+    for some, keep in zip(sets, needed, strict=True):
+        mirrored = image[some].astype(np.int32)
+        k = by_set.get(np.sort(mirrored).tobytes())
+        if k is not None:
+            order = np.argsort(sets[k])
+            keep |= was[k][order[np.searchsorted(sets[k][order], mirrored)]]
 
 
 def _kinds(rows: Array) -> NDArray[np.int64]:

@@ -8,6 +8,8 @@ planes of the rest pose; each next cut is the one that reduces most
     sum over poses, hulls and faces of area * bulge^2
 
 (greedily: the best cut of a piece is computed when its whole sum is the largest one left).
+Of a skin that is its own mirror image the pieces are, too: those of the left are cut, and with them
+their images; what is in the middle is cut across, or into its two sides, which then are images.
 Hulls are approximated by their support in some hundred directions, faces by samples. The
 approximation only selects cuts; that the hulls cover the skin does not depend on it.
 """
@@ -22,7 +24,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.body import skinning
-from halfphysics.motion.skeleton import JOINT_INDEX, LEFT_HAND_JOINTS, N_JOINTS, RIGHT_HAND_JOINTS
+from halfphysics.motion.skeleton import (
+    JOINT_INDEX,
+    LEFT_HAND_JOINTS,
+    MIRRORED,
+    N_JOINTS,
+    RIGHT_HAND_JOINTS,
+)
 
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
@@ -108,7 +116,12 @@ def parts_of_faces(faces: Ints, weights: Array) -> Ints:
 
 
 def cut_faces(
-    faces: Ints, weights: Array, rest_vertices: Array, rest_joints: Array, pieces: int = PIECES
+    faces: Ints,
+    weights: Array,
+    rest_vertices: Array,
+    rest_joints: Array,
+    pieces: int = PIECES,
+    image: Ints | None = None,
 ) -> list[Ints]:
     """Face indices of each piece, ascending: every face in one piece, no piece empty.
 
@@ -119,34 +132,74 @@ def cut_faces(
         rest_joints: Joints at rest [m], shape (55, 3).
         pieces: Number of pieces. There are more if more joints have faces, fewer if there are
             fewer faces.
+        image: Of each face its mirror image (F,); None: the skin has none. The image of every
+            piece is one of the pieces.
     """
     part = parts_of_faces(faces, weights)
-    done = {k: np.flatnonzero(part == k) for k in np.unique(part).tolist()}
+    if image is not None and (part[image] != MIRRORED[part]).any():
+        image = None
+    done = dict(enumerate(_first_units(part, image)))
     if not done:
         return []
     look = _Look(faces, weights, rest_vertices, rest_joints)
-    # Entries: minus the bulge that a cut could take away at most, or does take away once the cut
-    # is known; number of the piece; the cut.
-    heap: list[tuple[float, int, tuple[Ints, Ints] | None]]
-    heap = [
-        (-_coarse(look.at(part[piece[0]], piece).bulge()), k, None) for k, piece in done.items()
-    ]
+    number = len(done)
+    count = sum(unit.size for unit in done.values())
+    # Entries: minus the bulge of a piece that a cut could take away at most, or does take away once
+    # the cut is known; number of the unit; the cut.
+    heap: list[tuple[float, int, list[_Unit] | None]]
+    heap = [(-_coarse(look.at(part, unit).bulge()), k, None) for k, unit in done.items()]
     heapq.heapify(heap)
-    number = N_JOINTS
-    while heap and len(done) < pieces:
+    while heap and count < pieces:
         _, k, cut = heapq.heappop(heap)
+        if count + done[k].size > pieces:
+            continue
         if cut is None:
-            gain, cut = look.at(part[done[k][0]], done[k]).best_cut()
+            gain, cut = look.at(part, done[k]).best_cut()
             if cut is not None:
                 heapq.heappush(heap, (-_coarse(gain), k, cut))
             continue
-        del done[k]
-        for piece in cut:
-            done[number] = piece
-            bulge = look.at(part[piece[0]], piece).bulge()
-            heapq.heappush(heap, (-_coarse(bulge), number, None))
+        count -= done.pop(k).size
+        for unit in cut:
+            done[number] = unit
+            count += unit.size
+            heapq.heappush(heap, (-_coarse(look.at(part, unit).bulge()), number, None))
             number += 1
-    return list(done.values())
+    return [piece for unit in done.values() for piece in unit.pieces()]
+
+
+class _Unit(NamedTuple):
+    """A piece that is cut together with its mirror image.
+
+    A piece without `image` is alone; one that is its own image is `middle`.
+    """
+
+    faces: Ints
+    image: Ints | None  # of all faces (F,)
+    middle: bool
+
+    @property
+    def size(self) -> int:
+        """Number of its pieces."""
+        return 1 if self.image is None or self.middle else 2
+
+    def pieces(self) -> list[Ints]:
+        if self.image is None or self.middle:
+            return [self.faces]
+        return [self.faces, np.sort(self.image[self.faces])]
+
+    def halves(self, under: NDArray[np.bool_]) -> list[_Unit]:
+        """The unit cut in two: faces that are `under` a plane, and the others."""
+        return [self._replace(faces=self.faces[some]) for some in (under, ~under)]
+
+
+def _first_units(part: Ints, image: Ints | None) -> list[_Unit]:
+    """A unit for each part, for a left and a right part together."""
+    units = []
+    for k in np.unique(part).tolist():
+        own = np.flatnonzero(part == k)
+        if image is None or k <= MIRRORED[k]:
+            units.append(_Unit(own, image, image is not None and k == MIRRORED[k]))
+    return units
 
 
 class _Samples(NamedTuple):
@@ -183,15 +236,17 @@ class _Look:
         self.trees = [cKDTree(centre) for centre in self.centre]
         self.samples: dict[int, _Samples] = {}
 
-    def at(self, part: int, piece: Ints) -> _Piece:
-        """A piece of the part."""
+    def at(self, parts: Ints, unit: _Unit) -> _Piece:
+        """A piece of its part, of the parts of all faces (F,)."""
+        piece = unit.faces
+        part = int(parts[piece[0]])
         if part not in self.samples:
             near = np.flatnonzero(self.share[:, part] >= min(BLEND, self.share[piece, part].max()))
             count = min(max(len(near) // 16, SAMPLES[0]), SAMPLES[1])
             face = near[_spread(len(near), count)] if len(near) > count else near
             area = self.area[face] * np.float32(len(near) / len(face))
             self.samples[part] = _Samples(face, area, self._slopes(face))
-        return _Piece(self, piece, self.samples[part])
+        return _Piece(self, unit, self.samples[part])
 
     def _slopes(self, face: Ints) -> Floats:
         """Of the distance from all skin on the way out of each face, shape (steps - 1, P, m)."""
@@ -214,8 +269,9 @@ class _Piece:
     Arrays run over directions first (K, P, m): sums and extremes over directions are then quick.
     """
 
-    def __init__(self, look: _Look, piece: Ints, samples: _Samples) -> None:
-        self.look, self.piece, self.samples = look, piece, samples
+    def __init__(self, look: _Look, unit: _Unit, samples: _Samples) -> None:
+        self.look, self.unit, self.samples = look, unit, samples
+        self.piece = piece = unit.faces
         self.vertices = np.unique(look.faces[piece])
         own = look.normal[:, piece[_spread(len(piece), NORMALS)]]
         # A hull's facets over hollows face as the mean of what is on either side.
@@ -253,38 +309,75 @@ class _Piece:
         seen = (self.samples.slope * passed).sum(axis=0)
         return float((self.samples.area * seen * seen).sum(dtype=np.float64))
 
-    def best_cut(self) -> tuple[float, tuple[Ints, Ints] | None]:
-        """How much bulge the best cut takes away, and the two pieces; (0, None) if none does."""
+    def best_cut(self) -> tuple[float, list[_Unit] | None]:
+        """How much bulge the best cut takes away, and the two units; (0, None) if none does.
+
+        What is in the middle may become one unit, of the left half and its image.
+        """
         whole = self.bulge()
-        gain, cut = 0.0, None
+        gain: float = 0.0
+        cut: list[_Unit] | None = None
         vertices, centres = self.look.rest[self.vertices], self.look.rest_centre[self.piece]
-        offsets = vertices - vertices.mean(axis=0)
-        own = np.linalg.eigh(offsets.T @ offsets)[1].T
-        # Which way an axis points is up to rounding.
-        own *= np.sign(own[np.arange(3), np.abs(own).argmax(axis=1), None])
-        for axis in np.concatenate([own, np.eye(3)]):
+        for axis in self._axes(vertices):
             along, face_along = vertices @ axis, centres @ axis
             levels = np.unique(np.quantile(face_along, np.arange(1, LEVELS + 1) / (LEVELS + 1)))
             # A level is often a face's own height, and its mirror image's: both are below.
             levels = levels[levels > face_along.min()] + NUDGE
             levels = levels[levels <= face_along.max()]
-            slab = np.searchsorted(levels, along, side="right")
-            nothing = np.full((len(self.support), self.support.shape[2]), -1e6, dtype=np.float32)
-            slabs = [
-                self.support[:, slab == k].max(axis=1) if (slab == k).any() else nothing
-                for k in range(len(levels) + 1)
-            ]
-            below = np.maximum.accumulate(slabs, axis=0)
-            above = np.maximum.accumulate(slabs[::-1], axis=0)[::-1]
+            below, above = self._sides(np.searchsorted(levels, along, side="right"), len(levels))
             for k, level in enumerate(levels):
                 # What is left over cannot grow: many levels are out after one look.
                 left = whole - self._bulge(below[k])
                 if left > gain * (1.0 + TIE):
                     left -= self._bulge(above[k + 1])
                 if left > gain * (1.0 + TIE):
-                    under = face_along < level
-                    gain, cut = left, (self.piece[under], self.piece[~under])
+                    gain, cut = left, self.unit.halves(self._evenly(face_along < level))
+        if self.unit.middle:
+            half = self._left_half()
+            of_half = self.look.faces[half.faces]
+            own = self.support[:, np.isin(self.vertices, of_half)].max(axis=1)
+            left = whole - 2.0 * self._bulge(own)
+            if left > gain * (1.0 + TIE):
+                gain, cut = left, [half]
         return gain, cut
+
+    def _axes(self, vertices: Array) -> Array:
+        """Directions of cuts (n, 3): of a middle piece they lie in the plane of the mirror."""
+        offsets = vertices - vertices.mean(axis=0)
+        first = 1 if self.unit.middle else 0
+        own = np.zeros((3 - first, 3))
+        own[:, first:] = np.linalg.eigh((offsets.T @ offsets)[first:, first:])[1].T
+        # Which way an axis points is up to rounding.
+        own *= np.sign(own[np.arange(len(own)), np.abs(own).argmax(axis=1), None])
+        return np.concatenate([own, np.eye(3)[first:]])
+
+    def _sides(self, slab: Ints, levels: int) -> tuple[Floats, Floats]:
+        """Supports of what is in slab k and below (levels + 1, P, K), and in slab k and above."""
+        nothing = np.full((len(self.support), self.support.shape[2]), -1e6, dtype=np.float32)
+        slabs = [
+            self.support[:, slab == k].max(axis=1) if (slab == k).any() else nothing
+            for k in range(levels + 1)
+        ]
+        below: Floats = np.maximum.accumulate(slabs, axis=0)
+        above: Floats = np.maximum.accumulate(slabs[::-1], axis=0)[::-1]
+        return below, above
+
+    def _evenly(self, under: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Which faces are under a plane, the images of a middle piece as the faces themselves."""
+        if not self.unit.middle or self.unit.image is None:
+            return under
+        chosen = np.zeros(len(self.look.faces), dtype=bool)
+        left = self._left_half().faces
+        chosen[left] = under[np.searchsorted(self.piece, left)]
+        chosen[self.unit.image[left]] = chosen[left]
+        return chosen[self.piece]
+
+    def _left_half(self) -> _Unit:
+        """The faces of a middle piece at x > 0."""
+        assert self.unit.image is not None
+        x = self.look.rest_centre[:, 0]
+        left = self.piece[x[self.piece] > x[self.unit.image[self.piece]]]
+        return _Unit(left, self.unit.image, middle=False)
 
 
 def _coarse(value: float) -> float:

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from halfphysics.base.copying import ReadOnly
 from halfphysics.base.short_repr import short_repr
 from halfphysics.body.skin_cut import cut_faces, parts_of_faces
+from halfphysics.body.symmetry import Symmetry, symmetry_of
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import N_JOINTS
 
@@ -40,7 +41,8 @@ class SkinHulls(ReadOnly):
         part: Joint that each hull belongs to, shape (H,), ascending: the one whose summed weight
             is largest on its faces.
         first: Where the vertices of each hull start in `vertex`, and their number, shape (H + 1,).
-        vertex: Vertices of hull h, ascending: ``vertex[first[h]:first[h + 1]]``.
+        vertex: Vertices of hull h: ``vertex[first[h]:first[h + 1]]``. Ascending, but where a hull
+            is the mirror image of one before it: then in the order of that one's.
     """
 
     part: Ints
@@ -76,13 +78,15 @@ def skin_hulls(
     key = _digest(joints, of=skin).digest()
     if key not in _known:
         digest, pieces = baked()
+        symmetry = symmetry_of(triangles, rest)
+        image = None if symmetry is None else symmetry.face
         # Joints are not part of the key: they only define the poses in which bulges are evaluated,
         # and their last bits depend on the machine.
         if skin.hexdigest() != digest:
-            pieces = cut_faces(triangles, weights, rest, joints)
+            pieces = cut_faces(triangles, weights, rest, joints, image=image)
         while len(_known) >= REMEMBERED:
             _known.pop(next(iter(_known)), None)
-        _known[key] = _gathered(triangles, weights, pieces)
+        _known[key] = _gathered(triangles, weights, pieces, symmetry)
     return _known[key]
 
 
@@ -96,7 +100,9 @@ def bake(
     """
     skin = _arrays(faces, weights, rest_vertices, rest_joints)
     piece = np.zeros(len(skin[0]), dtype=np.uint8)
-    for number, some in enumerate(cut_faces(*skin)):
+    symmetry = symmetry_of(skin[0], skin[2])
+    image = None if symmetry is None else symmetry.face
+    for number, some in enumerate(cut_faces(*skin, image=image)):
         piece[some] = number
     return {"skin": np.array(_digest(*skin[:3]).hexdigest()), "piece": piece}
 
@@ -139,13 +145,31 @@ def _digest(*arrays: NDArray[Any], of: Any = None) -> Any:
     return digest
 
 
-def _gathered(faces: Ints, weights: Array, pieces: list[Ints]) -> SkinHulls:
-    """Vertex sets of face sets, those of one part together."""
+def _gathered(
+    faces: Ints, weights: Array, pieces: list[Ints], symmetry: Symmetry | None
+) -> SkinHulls:
+    """Vertex sets of face sets, those of one part together, images in the order of the left."""
     part = parts_of_faces(faces, weights)
-    pieces = sorted(pieces, key=lambda piece: (part[piece[0]], piece[0]))
-    sets = [np.unique(faces[piece]).astype(np.int32) for piece in pieces]
+    placed = []
+    for piece in pieces:
+        own = (int(part[piece[0]]), int(piece[0]))
+        seen, image = own, piece
+        if symmetry is not None:
+            image = np.sort(symmetry.face[piece])
+            seen = (int(part[image[0]]), int(image[0]))
+        if symmetry is None or seen >= own or not _is_piece(image, pieces):
+            placed.append((own[0], own[1], 0, np.unique(faces[piece])))
+        else:
+            vertices = symmetry.vertex[np.unique(faces[image])]
+            placed.append((own[0], seen[1], 1, vertices))
+    placed.sort(key=lambda entry: entry[:3])
+    sets = [vertices.astype(np.int32) for *_, vertices in placed]
     return SkinHulls(
-        part=np.array([part[piece[0]] for piece in pieces], dtype=np.int64),
+        part=np.array([entry[0] for entry in placed], dtype=np.int64),
         first=np.cumsum([0, *(len(s) for s in sets)], dtype=np.int64),
         vertex=np.concatenate([np.zeros(0, dtype=np.int32), *sets]),
     )
+
+
+def _is_piece(faces: Ints, pieces: list[Ints]) -> bool:
+    return any(piece[0] == faces[0] and np.array_equal(piece, faces) for piece in pieces)

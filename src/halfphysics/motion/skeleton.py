@@ -39,6 +39,17 @@ def _parents() -> np.ndarray:
 #: Parent of every joint, shape (55,); -1 for the pelvis. Parents precede children.
 PARENTS: np.ndarray = _parents()
 
+#: Joint -> its mirror image (55,): left and right change places.
+MIRRORED: np.ndarray = np.array(
+    [
+        JOINT_INDEX[
+            name.replace("left_", "right_") if "left_" in name else name.replace("right_", "left_")
+        ]
+        for name in JOINT_NAMES
+    ]
+)
+MIRRORED.setflags(write=False)
+
 #: Indices of the joints in the layouts that data files use, in the file's own order.
 BODY_JOINTS = tuple(range(1, 22))
 FACE_JOINTS = (22, 23, 24)

@@ -185,7 +185,8 @@ void ContactProblem::iterate(double tolerance, double fine, int most, SolveRepor
   const int all = at.most;
   while (at.goes_on(report.residual)) {
     if (!rests && at.goal < tolerance) at.most = std::min(all, tune::kFinePatience);
-    sweep_round(at, report);
+    // Sweeps take the first contacts first; Newton steps take left and right alike, if they settle it.
+    if (size() == 1 || size() > tune::kFewContacts || at.done > 0) sweep_round(at, report);
     newton_round(at, report);
     at.most = all;
     if (report.residual < tune::kRoundProgress * last)

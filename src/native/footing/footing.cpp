@@ -235,6 +235,8 @@ void Footing::apply(int root_qpos, double* qpos) {
     placed_[f] = reached + whole;
     footwork_.reached(f, made);
     lift_[f] = made.z - footwork_.raised(f) - left_up_[f];
+    // A foot that is not lifted is known by its zero, not by what rounding leaves of it.
+    if (std::fabs(lift_[f]) < tune::kAtHeight) lift_[f] = 0;
     corrected_ = true;
   }
 }

@@ -225,9 +225,7 @@ def _contacts(parts: list[Npz], counts: list[int], names: tuple[str, ...]) -> Co
     return Contacts(**{name: np.concatenate(values) for name, values in columns.items()})
 
 
-def _pressures(
-    parts: list[Npz], counts: list[int], names: tuple[str, ...]
-) -> SoftContacts | None:
+def _pressures(parts: list[Npz], counts: list[int], names: tuple[str, ...]) -> SoftContacts | None:
     """All samples under pressure; None: nothing was soft.
 
     Warns:

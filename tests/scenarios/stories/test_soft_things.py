@@ -66,12 +66,12 @@ def test_landing_presses_harder_than_standing():
 
 def test_a_pillow_is_squeezed_lifted_and_held():
     """Both palms press it in by centimetres, and then it is where they are, to millimetres."""
-    story, result = played("squeeze_pillow")
+    _, result = played("squeeze_pillow")
     pillow = np.asarray(result.objects["pillow"].position)
     assert pillow[-1, 2] - pillow[0, 2] == pytest.approx(RISE, abs=0.02)
     up = round((UP + 0.5) * result.fps)
     assert np.ptp(pillow[up:, 2]) < 0.005  # carried for seconds, it slips by no more
-    assert np.abs(pillow[:, 1]).max() < 0.005  # both palms press alike
+    assert np.abs(pillow[up:, 1]).max() < 0.002  # both palms press alike
     rows = result.soft_contacts.at(len(result) - 1)
     person, thing = (result.names.index(n) for n in ("person", "pillow"))
     palms = rows[(rows.other == person) & (rows.layer == thing)]

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from halfphysics.body.body import Body
 
 
-#: A pillow of 40 by 50 cm [m]: along the walk, between the palms, upright.
-SIZE = (0.40, 0.20, 0.5)
+#: A pillow of 36 by 50 cm [m]: along the walk, between the palms, upright.
+SIZE = (0.36, 0.20, 0.50)
 
 
 def build(

@@ -46,8 +46,7 @@ LAYERS = {
     "mujoco": "errors base motion geometry body settings scene simulation _native",
     "scenarios": "errors base motion geometry body scene settings simulation",
     "live": (
-        "errors base motion geometry body settings scene results simulation baselines formats "
-        "__version__"
+        "errors base motion geometry body settings scene results simulation formats __version__"
     ),
     "actors": "errors base motion geometry body settings scene results simulation scenarios",
     "viewer": (

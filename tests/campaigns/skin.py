@@ -164,7 +164,7 @@ def run(case, data=None, contact="skin", body=None, **changes):
     frames = [simulator.step(motion[t]) for t in range(1, len(motion))]
     took = time.perf_counter() - begin
     begin = time.perf_counter()
-    verdict = judge.judge_frames(simulator, motion[0], frames)
+    verdict = judge.judge_frames(simulator, motion[0], frames, least=True)
     closed = getattr(case, "kind", "") != "sheets"
     corrected = motion.with_frames(
         np.array([motion[0].translation, *(f.pose.translation for f in frames)]),

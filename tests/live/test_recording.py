@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
+from halfphysics.body.soft_skin import SoftSkin
 from halfphysics.errors import FileError
 from halfphysics.formats.results import unfinished
 from halfphysics.live import schema
 from halfphysics.live.incoming import IncomingPose
 from halfphysics.live.recording import Recorder
+from halfphysics.live.session import Session
 
 
 def record(session, path, frames=50, during=None):
@@ -23,9 +25,10 @@ def record(session, path, frames=50, during=None):
     for k in range(frames):
         if during is not None:
             during(k)
-        target = session.newest.targets["person0"]
+        name = session.people[0]
+        target = session.newest.targets[name]
         pose = hp.Pose(np.add(target.translation, (0.01, 0.0, 0.0)), target.rotations)
-        session.deliver(IncomingPose("person0", pose, k / 90))
+        session.deliver(IncomingPose(name, pose, k / 90))
         made.append(session.step())
     session.unlisten(recorder.add)
     return recorder, made
@@ -81,6 +84,56 @@ def test_what_comes_and_goes_rests_meanwhile(session, tmp_path):
         for other in frame.contacts.other:
             assert result.names[result.contacts.other[row]] == frame.names[other]
             row += 1
+
+
+def soft_session():
+    """Somebody with soft skin, far from a ball that lies on a mattress."""
+    scene = hp.Scene()
+    scene.add_static("floor", hp.Plane())
+    scene.add_static("bed", hp.Box((1, 1, 0.4)), position=(3, 0, 0.2), soft="mattress")
+    scene.add_object("ball", hp.Sphere(0.1), mass=5.0, position=(3, 0, 0.49))
+    skin = SoftSkin(thickness={"hands": 0.004})
+    return Session(scene, settings=hp.Settings(soft_skin=skin), fps=30)
+
+
+def test_pressures_are_recorded(tmp_path):
+    session = soft_session()
+
+    def during(k):
+        if k == 10:  # names of later frames have other indices
+            add = schema.Add("crate", "box:0.2:0.2:0.2", 2.0, (0.0, 3.0, 1.0))
+            session.edit(add, lambda reason: None)
+
+    recorder, frames = record(session, tmp_path / "out.npz", 20, during)
+    recorder.close()
+    result = hp.Result.load(tmp_path / "out.npz")
+    assert result.settings == session.simulator.settings
+    pressed, row = result.soft_contacts, 0
+    for k, frame in enumerate(frames):
+        mine = frame.simulated.soft_contacts
+        got = pressed[row : row + len(mine)]
+        assert (got.frame == k).all()
+        for name in ("part", "vertex", "position", "normal", "depth", "pressure", "area"):
+            assert np.array_equal(getattr(got, name), getattr(mine, name))
+        for name in ("layer", "other"):
+            now = [frame.names[i] for i in getattr(mine, name)]
+            assert [result.names[i] for i in getattr(got, name)] == now
+        row += len(mine)
+    assert 0 < row == len(pressed)
+    assert {result.names[i] for i in pressed.layer} == {"bed"}
+    assert result.dents["bed"].depth.max() > 0.005
+
+
+def test_very_many_pressures_are_read_of_every_second_frame(tmp_path, monkeypatch):
+    recorder, _ = record(soft_session(), tmp_path / "out.npz", 12)
+    recorder._frames.put(None)
+    recorder._thread.join()
+    recorder._file.close()
+    whole = hp.Result.load(recorder.partial).soft_contacts
+    monkeypatch.setattr("halfphysics.simulation.recording.MOST_PRESSED", len(whole) // 2 + 10)
+    with pytest.warns(hp.HalfPhysicsWarning, match="of one frame in 2:"):
+        some = hp.Result.load(recorder.partial).soft_contacts
+    assert np.array_equal(some.pressure, whole[whole.frame % 2 == 0].pressure)
 
 
 def test_an_unfinished_recording_is_a_result(session, tmp_path):

@@ -6,10 +6,12 @@ import json
 
 import numpy as np
 import pytest
+from msgspec import UNSET
 
 import halfphysics as hp
 from halfphysics.live import schema
 from halfphysics.live.scene_items import MOST_FACES, person_item, scene_items, shape_document
+from halfphysics.live.session import Session
 from halfphysics.live.wire import Subscription, frame_message, incoming_poses
 
 
@@ -77,6 +79,29 @@ def test_items_of_the_scene(scene):
     assert objects[0].mass == 1.0
     person = person_item("ada", hp.Body.default())
     assert np.shape(person.joints) == (55, 3)
+
+
+def test_pressures_go_to_who_names_them():
+    """A ball on a mattress: pair by pair, to a tenth of a pascal."""
+    scene = hp.Scene()
+    scene.add_static("bed", hp.Box((1, 1, 0.4)), soft="mattress")
+    scene.add_object("ball", hp.Sphere(0.1), mass=5.0, position=(0, 0, 0.29))
+    session = Session(scene, start=[hp.Pose((0, 3, 0), np.zeros((55, 3)))], fps=30)
+    for _ in range(5):
+        frame = session.step()
+    bed = scene_items(scene)[0][0]
+    assert bed.soft == scene.statics["bed"].soft.document
+    for nobody in (Subscription(), Subscription.of(schema.Subscribe())):
+        assert frame_message(frame, nobody).pressures is UNSET
+    asked = Subscription.of(schema.Subscribe(["pressures"]))
+    data = schema.encode(frame_message(frame, asked), True)
+    (got,) = schema.from_server(data).pressures
+    rows = frame.simulated.soft_contacts
+    assert (got.layer, got.other) == ("bed", "ball")
+    np.testing.assert_allclose(got.pressure, rows.pressure, atol=0.051)
+    np.testing.assert_allclose(got.position, rows.position, atol=5.1e-6)
+    np.testing.assert_allclose(got.depth, rows.depth, atol=5.1e-7)
+    assert len(data) < 100 * len(rows) + 500
 
 
 def test_shapes():

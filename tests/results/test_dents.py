@@ -21,7 +21,8 @@ SECONDS = 1.0 / 30.0
 
 def stamped(soft, frames=60, until=30, depth=0.04):
     """The dent of the bed by a flat stamp that is there before frame `until`."""
-    base = layer_of(bed_scene().statics["bed"])
+    bed = bed_scene().statics["bed"]
+    base = layer_of(bed, bed.soft)
     grid = np.arange(-0.05, 0.0501, 0.01)
     xy = np.stack(np.meshgrid(grid, grid), axis=-1).reshape(-1, 2)
     points = np.column_stack([xy, np.full(len(xy), BED[2] / 2)])

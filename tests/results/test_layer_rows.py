@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
-from halfphysics.results.layer_rows import pressed_items, rows_of
+from halfphysics.results.layer_rows import pressed_things, rows_of
 from support.results.soft_results import FRAMES, RADIUS, soft_result
 
 
@@ -26,7 +26,7 @@ def of(layers):
 def test_a_soft_ball_on_a_hard_bed_is_what_dents():
     result = of((None, hp.Soft(0.05, 4e4)))
     contacts = result.soft_contacts
-    assert [result.names[k] for k in pressed_items(result, contacts)] == ["ball"]
+    assert [thing.name for thing in pressed_things(result, contacts)] == ["ball"]
     rows = rows_of(result, contacts, 1)
     np.testing.assert_array_equal(rows.depth, contacts.depth)
     # A sample of a thing is where it is; what presses a layer is put on its surface.
@@ -42,7 +42,7 @@ def test_a_soft_ball_on_a_hard_bed_is_what_dents():
 def test_two_soft_things_share_the_depth_by_their_softness():
     result = of((hp.Soft(0.1, 3e4), hp.Soft(0.05, 1e4)))
     contacts = result.soft_contacts
-    assert len(pressed_items(result, contacts)) == 2
+    assert len(pressed_things(result, contacts)) == 2
     bed, ball = (rows_of(result, contacts, k) for k in (0, 1))
     np.testing.assert_allclose(bed.depth, 0.25 * contacts.depth)
     np.testing.assert_allclose(ball.depth, 0.75 * contacts.depth)
@@ -51,5 +51,5 @@ def test_two_soft_things_share_the_depth_by_their_softness():
 
 def test_what_is_hard_is_not_pressed():
     result = of((None, None))
-    assert pressed_items(result, result.soft_contacts) == []
+    assert pressed_things(result, result.soft_contacts) == []
     assert dict(result.dents) == {}

@@ -67,9 +67,9 @@ def test_a_hard_scene_sends_none(server):
 def test_the_document_gives_every_vertex_of_every_frame(server):
     stage = Stage(server, soft_result(), prefix="/page", dents=False)
     (one,) = dent_document(stage, 1)
-    (_, item, handle), dent = stage.soft_items()[0], soft_result().dents["bed"]
+    (node,), dent = stage.soft_items(), soft_result().dents["bed"]
     assert one["node"] == "/page/static/bed"
-    own = own_vertices(item, handle)
+    own = own_vertices(node.surface, node.handle)
     assert one["count"] == len(own)
     at = np.cumsum(whole(one["at"], "<i4"))
     way = WAY_GRAIN * whole(one["way"], "<i2").reshape(-1, 3)

@@ -8,9 +8,16 @@ import pytest
 import halfphysics as hp
 from halfphysics.errors import InputError
 from halfphysics.live.scene_items import person_item, scene_items
-from halfphysics.live.schema import Contact, SceneItem
+from halfphysics.live.schema import (
+    Contact,
+    Pressed,
+    SceneItem,
+    SceneMessage,
+    encode,
+    from_server,
+)
 from halfphysics.viewer.contacts import NO_PERSON, OBJECT, PERSON, SCENE
-from halfphysics.viewer.live_scene import LivePerson, LiveTouches, scene_of
+from halfphysics.viewer.live_scene import LivePerson, LiveTouches, pressures_of, scene_of
 
 #: Positions of a described shape agree with the described ones to rounding [m].
 EXACT = 1e-12
@@ -37,6 +44,52 @@ def test_a_scene_comes_back_as_it_was_described():
             np.testing.assert_allclose(item.position, other.position, atol=EXACT)
             np.testing.assert_allclose(item.quaternion, other.quaternion, atol=EXACT)
             np.testing.assert_allclose(item.mesh()[0], other.mesh()[0], atol=EXACT)
+
+
+def test_a_soft_scene_is_soft_as_it_was_described():
+    given = hp.Scene()
+    given.add_static("bed", hp.Box((2, 1, 0.5)), soft="mattress")
+    given.add_object("ball", hp.Sphere(0.1), mass=1.0, soft=hp.Soft(0.05, 2e4, law="linear"))
+    statics, objects = (from_wire(items) for items in scene_items(given))
+    found = scene_of(statics, objects)
+    assert found.statics["bed"].soft == given.statics["bed"].soft
+    soft = found.objects["ball"].soft
+    assert (soft.thickness, soft.stiffness, soft.law) == (0.05, 2e4, "linear")
+
+
+def from_wire(items):
+    """Items of a scene as a client has them: through the bytes of a message."""
+    message = SceneMessage(list(items), [])
+    return from_server(encode(message, True)).statics
+
+
+def pressed(**changed):
+    numbers = {
+        "position": [[0.0, 0.0, 0.1], [0.1, 0.0, 0.1]],
+        "normal": [[0.0, 0.0, 1.0]] * 2,
+        "depth": [0.01, 0.02],
+        "pressure": [100.0, 200.0],
+        "area": [1e-4, 2e-4],
+    }
+    return Pressed("bed", "ball", **(numbers | changed))
+
+
+def test_pressures_of_a_frame_are_a_table():
+    gone = Pressed("sofa", "ball", [[0.0] * 3], [[0.0] * 3], [1.0], [1.0], [1.0])
+    table = pressures_of([gone, pressed()], ("bed", "ball", "person"))
+    np.testing.assert_array_equal(table.layer, [0, 0])
+    np.testing.assert_array_equal(table.other, [1, 1])
+    np.testing.assert_array_equal(table.depth, [0.01, 0.02])
+    np.testing.assert_allclose(table.force, [[0, 0, 0.01], [0, 0, 0.04]])
+    assert len(pressures_of([gone], ("bed", "ball"))) == 0
+
+
+@pytest.mark.parametrize(
+    "changed", [{"normal": [[0.0, 1.0]]}, {"area": [1.0]}, {"depth": [-1.0, 0.0]}]
+)
+def test_pressures_that_do_not_fit_are_refused(changed):
+    with pytest.raises(InputError, match=r"pressures|soft_contacts"):
+        pressures_of([pressed(**changed)], ("bed", "ball"))
 
 
 def item(**shape):

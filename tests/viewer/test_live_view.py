@@ -8,9 +8,11 @@ import time
 import numpy as np
 import pytest
 
+import halfphysics as hp
 from halfphysics.cli import main
 from halfphysics.live.client import connect
 from halfphysics.live.schema import Add, Drag, Mass
+from halfphysics.live.serve import serve
 from halfphysics.viewer.live_hands import newest
 from halfphysics.viewer.live_view import LiveView, is_address
 from support.live_sessions import session
@@ -57,6 +59,26 @@ def test_people_and_objects_are_where_the_session_has_them(view):
     np.testing.assert_allclose(view.stage.joints()[0], wanted)
     np.testing.assert_allclose(view.stage.object("ball").position, frame.objects["ball"][0])
     assert set(view.stage.layers) == {"body", "ghost", "objects", "scene", "contacts"}
+
+
+def test_soft_things_dent():
+    """A ball sinks into a mattress, and so does what the browser draws of it."""
+    scene = hp.Scene()
+    scene.add_static("floor", hp.Plane())
+    scene.add_static("bed", hp.Box((0.6, 0.6, 0.4)), position=(2, 0, 0.2), soft="mattress")
+    scene.add_object("ball", hp.Sphere(0.1), mass=5.0, position=(2, 0, 0.51))
+    with serve(scene, port=0, fps=30) as server, LiveView(server.url, port=0) as view:
+        rest = np.array(view.stage.static("bed").vertices)
+        until(lambda: view.reader.frame.pressures and view.reader.frame.frame > 20)
+        frame = view.reader.frame
+        done(view, lambda: view._show(frame))
+        lowest = frame.objects["ball"][0][2] - 0.1
+        now = np.array(view.stage.static("bed").vertices)
+        moved = rest[:, 2] - now[:, 2]
+        under = moved > 0.5 * moved.max()
+        assert np.linalg.norm(now[under, :2], axis=1).max() < 0.1
+        # The nearest vertex is up to 3 cm beside the lowest point; edges of 5 cm may put it deeper.
+        assert lowest - 0.01 < 0.2 + now[moved.argmax(), 2] < lowest + 0.005
 
 
 def test_the_panel_tells_of_latency_and_drops(view):

@@ -10,6 +10,7 @@ import pytest
 
 from halfphysics.base import rotations as rot
 from halfphysics.body.body import Body
+from halfphysics.errors import InputError
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
 from halfphysics.results.contacts import Contacts
@@ -116,3 +117,11 @@ def test_pressures_of_soft_things_are_where_they_press():
     assert shown == pytest.approx(points.force[strong].sum(), abs=0.05 * strong.sum())
     # In the first frame nothing presses the bed: the contact is what there is.
     assert document["first"][:2] == [0, 1]
+
+
+def test_a_vertex_that_the_body_does_not_have():
+    result = soft_result()
+    rows = result.soft_contacts[result.soft_contacts.vertex >= 0][[0]]
+    other = dataclasses.replace(rows, vertex=np.array([10**6]))
+    with pytest.raises(InputError, match="found vertex 1000000, but the skin of"):
+        skin_document(dataclasses.replace(result, soft_contacts=other), range(3))

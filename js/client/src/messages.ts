@@ -18,7 +18,7 @@ export type Quaternion = [number, number, number, number];
 export type Id = number | string | null;
 
 /** Parts of a frame that a client can subscribe to. */
-export type Part = "poses" | "targets" | "objects" | "joints" | "contacts";
+export type Part = "poses" | "targets" | "objects" | "joints" | "contacts" | "pressures";
 
 // -- from the client ---------------------------------------------------------------------------
 
@@ -101,7 +101,7 @@ export interface Edit {
   id?: Id;
 }
 
-/** Which parts of frames to send, of which people, and how often [1/s]. */
+/** Which parts of frames to send (missing: all but pressures), of which people, and how often [1/s]. */
 export interface Subscribe {
   type: "subscribe";
   parts?: Part[];
@@ -144,6 +144,8 @@ export interface SceneItem {
   quaternion: Quaternion;
   friction: number;
   mass?: number;
+  /** Fields of a soft layer: thickness [m], stiffness [Pa/m], ...; missing or null: it is hard. */
+  soft?: { thickness: number; stiffness: number; [key: string]: unknown } | null;
 }
 
 /** The first message of the server. */
@@ -206,6 +208,17 @@ export interface Contact {
   force: Point;
 }
 
+/** Samples of `other` that press `layer`, which gives way: [m], [Pa], [m2]; normals point out of the layer. */
+export interface Pressed {
+  layer: string;
+  other: string;
+  position: Point[];
+  normal: Point[];
+  depth: number[];
+  pressure: number[];
+  area: number[];
+}
+
 /** One frame of the simulation. */
 export interface FrameMessage {
   type: "frame";
@@ -217,6 +230,7 @@ export interface FrameMessage {
   objects?: Record<string, Place>;
   joints?: Record<string, number | number[]>;
   contacts?: Contact[];
+  pressures?: Pressed[];
 }
 
 /** An edit or a subscription was carried out. */

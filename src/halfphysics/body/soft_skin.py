@@ -26,10 +26,12 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Thickness that gives way [m]. Buttock and thigh under a sitting person: some 20 mm of the 30 to
-#: 40 mm of tissue (Sonenblum et al. 2013, J Tissue Viability 22: MRI of seated people). Heel pad
-#: 18 mm, of which a third gives way under the body's weight (De Clercq et al. 1994, J Biomech 27).
-#: Pulp of a fingertip 2 to 3 mm (Serina et al. 1997, J Biomech 30). Others: skin and fat.
+#: Thickness that gives way [m]. Each value is ours, of the order that abstracts report. Over the
+#: ischial tuberosity 74 +- 9 mm of tissue lose nearly half by sitting (Makhsous et al. 2011, Clin
+#: Anat 24), and 6 to 32 mm are left on foam (Sonenblum et al. 2020, J Tissue Viability 29): 20 mm
+#: for all of the seat. Heel pads are 16 mm thick ("Effect of loading history on material properties
+#: of human heel pad", BMC Musculoskelet Disord 2022), of which a third. Fingers, hands and the rest
+#: are not measured ones: fat and skin.
 THICKNESS: JointValues = JointValues(
     {
         "all": 0.006,
@@ -43,10 +45,12 @@ THICKNESS: JointValues = JointValues(
         "feet": 0.005,
     }
 )
-#: Modulus: pressure per share of that thickness [Pa]. Gluteal fat 26 kPa and muscle 62 kPa (Isogai
-#: et al. 2022, J Phys Ther Sci 34). Heel pads of an unloaded foot have 6.0 +- 1.5 N/mm ("Initial
-#: studies on the variations of load-displacement curves of in vivo human healthy heel pads"), on
-#: some 4 cm^2: 75 kPa at 5 mm. Others: between them; skin over bone more.
+#: Modulus: pressure per share of that thickness [Pa], of small loads. Under a load of 1 N gluteal
+#: fat has 26 +- 19 kPa, under 5 N muscle 62 +- 10 kPa; under 30 N both are far stiffer, 2200 and
+#: 440 kPa (Isogai et al. 2022, J Phys Ther Sci 34): what is stiff then belongs to the hard core.
+#: Heel pads of an unloaded foot have 6.0 +- 1.5 N/mm ("Initial studies on the variations of
+#: load-displacement curves of in vivo human healthy heel pads"), on some 4 cm^2: 75 kPa at 5 mm.
+#: Others are ours: between them; skin over bone more.
 MODULUS: JointValues = JointValues(
     {
         "all": 60e3,
@@ -60,8 +64,9 @@ MODULUS: JointValues = JointValues(
         "fingers": 100e3,
     }
 )
-#: Damping over stiffness, c/k [s]: heel pads lose a third to two thirds of the energy of an impact
-#: of some 20 ms (Aerts et al. 1995, J Biomech 28); the same order in other tissue.
+#: Damping over stiffness, c/k [s]: heel pads lose 33 to 48 % of the energy of a load (Ker 1996, J
+#: Exp Biol 199), or 62 % (Challis et al. 2008, J Appl Biomech 24); loads of walking last some 20 ms
+#: while they rise. The same order in other tissue.
 DAMPING_TIME = 0.005
 #: Limits of what can be asked for: thickness [m] and modulus [Pa].
 MOST_THICKNESS, LEAST_MODULUS, MOST_MODULUS = 0.05, 1e3, 1e9

@@ -50,6 +50,7 @@ class LiveFrame:
         objects: Name -> (position (3,) [m], quaternion (4,)).
         joints: Name of an articulated object's joint -> its value [rad or m].
         contacts: The contacts of the frame, with forces [N].
+        pressures: What is under pressure, pair by pair; sent to who asks for it by name.
         clearance: Minimum distance of the people from static geometry [m]; inf: far.
     """
 
@@ -64,6 +65,7 @@ class LiveFrame:
     joints: Mapping[str, Any]
     contacts: Sequence[schema.Contact]
     clearance: float
+    pressures: Sequence[schema.Pressed] = ()
 
 
 def connect(url: str, *, token: str | None = None) -> LiveClient:
@@ -318,6 +320,7 @@ def _frame(message: schema.FrameMessage) -> LiveFrame:
         joints={} if message.joints is UNSET else message.joints,
         contacts=() if message.contacts is UNSET else message.contacts,
         clearance=math.inf if message.clearance is None else message.clearance,
+        pressures=() if message.pressures is UNSET else message.pressures,
     )
 
 

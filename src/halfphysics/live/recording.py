@@ -18,18 +18,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.validation import file_path
-from halfphysics.baselines.options import options_of
 from halfphysics.errors import FileError, HalfPhysicsError
 from halfphysics.formats.results import unfinished
+from halfphysics.formats.results.result_writer import settings_document
 from halfphysics.live.incoming import Outgoing
 from halfphysics.results.contacts import Contacts
 from halfphysics.results.records import BodyRecord, SceneRecord
 from halfphysics.results.result import DIAGNOSTICS
+from halfphysics.results.soft_contacts import SoftContacts
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from halfphysics.scene.scene import Scene
+    from halfphysics.simulation.frame import Frame
     from halfphysics.simulation.simulator import Simulator
 
 logger = logging.getLogger(__name__)
@@ -177,10 +177,9 @@ def _by_scene(frames: list[tuple[Outgoing, Scene]]) -> list[tuple[Scene, list[Ou
 
 
 def _head(simulator: Simulator) -> dict[str, Any]:
-    settings: Mapping[str, Any] = options_of(simulator.settings)
     return {
         "fps": 1.0 / simulator.dt,
-        "settings": {k: dict(v) if hasattr(v, "items") else v for k, v in settings.items()},
+        "settings": settings_document(simulator.settings),
         "people": [
             {
                 "name": person.name,
@@ -220,7 +219,7 @@ def _fields(frames: list[Outgoing]) -> dict[str, NDArray[Any]]:
         fields[f"diagnostics/{name}"] = np.array(
             [float(frame.diagnostics.get(name, 0.0)) for frame in simulated]
         )
-    return fields | _contact_columns(frames)
+    return fields | _contact_columns(frames) | _pressure_columns(simulated)
 
 
 def _contact_columns(frames: list[Outgoing]) -> dict[str, NDArray[Any]]:
@@ -233,7 +232,25 @@ def _contact_columns(frames: list[Outgoing]) -> dict[str, NDArray[Any]]:
     return columns
 
 
-def _simulated(frame: Outgoing) -> Any:
+def _pressure_columns(simulated: list[Frame]) -> dict[str, NDArray[Any]]:
+    """Samples under pressure, and how many each frame has; nothing where nothing is soft."""
+    tables = [frame.soft_contacts for frame in simulated]
+    there = [table for table in tables if table is not None]
+    if not there:
+        return {}
+    columns: dict[str, NDArray[Any]] = {
+        "pressed/count": np.array([0 if table is None else len(table) for table in tables])
+    }
+    for name in SoftContacts.columns():
+        if name != "frame":
+            values = np.concatenate([getattr(table, name) for table in there])
+            # Simulators give numbers of single precision.
+            kind = np.float32 if values.dtype.kind == "f" else np.int32
+            columns[f"pressed/{name}"] = values.astype(kind)
+    return columns
+
+
+def _simulated(frame: Outgoing) -> Frame:
     if frame.simulated is None:
         raise ValueError("a frame that no simulator made cannot be recorded")
     return frame.simulated

@@ -29,13 +29,16 @@ def scene_items(scene: Scene) -> tuple[list[SceneItem], list[SceneItem]]:
 
 
 def _item(item: Any) -> SceneItem:
+    shape = shape_document(item.shape)
+    soft = getattr(item, "soft", None)
     return SceneItem(
         name=item.name,
-        shape=shape_document(item.shape),
+        shape=shape,
         position=[float(x) for x in item.position],
         quaternion=[float(x) for x in item.quaternion],
         friction=float(item.friction),
         mass=float(getattr(item, "mass", None) or 0.0),
+        soft=None if soft is None or shape["kind"] == "bounds" else soft.document,
     )
 
 

@@ -42,8 +42,10 @@ Quaternion = tuple[float, float, float, float]
 Id = int | str | None
 
 #: Parts of a frame that a client can subscribe to.
-Part = Literal["poses", "targets", "objects", "joints", "contacts"]
-PARTS: tuple[Part, ...] = ("poses", "targets", "objects", "joints", "contacts")
+Part = Literal["poses", "targets", "objects", "joints", "contacts", "pressures"]
+PARTS: tuple[Part, ...] = ("poses", "targets", "objects", "joints", "contacts", "pressures")
+#: Those of who does not name any: pressures are ten times as much as all else.
+USUAL_PARTS: tuple[Part, ...] = PARTS[:-1]
 
 
 class PersonPose(Struct):
@@ -134,7 +136,7 @@ class Edit(Struct, tag="edit"):
 class Subscribe(Struct, tag="subscribe"):
     """Which parts of frames to send, of which people, and how often.
 
-    Defaults: everything, of everybody, every frame. A rate of 0 sends none.
+    Defaults: everything but pressures, of everybody, every frame. A rate of 0 sends none.
     """
 
     parts: Annotated[list[Part], Meta(max_length=len(PARTS))] | None = None
@@ -176,7 +178,7 @@ class SceneItem(Struct, omit_defaults=True):
     """A static or an object.
 
     `shape`: {"kind": "sphere", "radius": ...} and so on, see docs/live.md. `mass` 0: it does not
-    move, or on a trajectory.
+    move, or on a trajectory. `soft`: the fields of `Soft`; None: it is hard.
     """
 
     name: str
@@ -185,6 +187,7 @@ class SceneItem(Struct, omit_defaults=True):
     quaternion: list[float]
     friction: float
     mass: float = 0.0
+    soft: dict[str, Any] | None = None
 
 
 class Hello(Struct, tag="hello"):
@@ -253,6 +256,22 @@ class Contact(Struct):
     force: list[float]
 
 
+class Pressed(Struct):
+    """Samples of one thing or person that press another, which gives way, at the end of a frame.
+
+    `layer` gives way, `other` has the samples; of each: its `position` [m], the `normal` out of the
+    layer, and the `depth` [m], `pressure` [Pa] and `area` [m^2] of `SoftContacts`.
+    """
+
+    layer: str
+    other: str
+    position: list[list[float]]
+    normal: list[list[float]]
+    depth: list[float]
+    pressure: list[float]
+    area: list[float]
+
+
 class FrameMessage(Struct, tag="frame"):
     """One frame of the simulation."""
 
@@ -264,6 +283,7 @@ class FrameMessage(Struct, tag="frame"):
     objects: dict[str, Place] | UnsetType = UNSET
     joints: dict[str, float | list[float]] | UnsetType = UNSET
     contacts: list[Contact] | UnsetType = UNSET
+    pressures: list[Pressed] | UnsetType = UNSET
 
 
 class Done(Struct, tag="done"):

@@ -32,7 +32,7 @@ class Subscription:
         rate: Frames per second; None: every frame.
     """
 
-    parts: frozenset[Part] = frozenset(schema.PARTS) - {"targets"}
+    parts: frozenset[Part] = frozenset(schema.USUAL_PARTS) - {"targets"}
     people: frozenset[str] | None = None
     rate: float | None = None
 
@@ -40,7 +40,7 @@ class Subscription:
     def of(message: schema.Subscribe) -> Subscription:
         """The subscription of a message."""
         return Subscription(
-            frozenset(schema.PARTS if message.parts is None else message.parts),
+            frozenset(schema.USUAL_PARTS if message.parts is None else message.parts),
             None if message.people is None else frozenset(message.people),
             message.rate,
         )
@@ -74,6 +74,7 @@ def frame_message(frame: Outgoing, wanted: Subscription) -> schema.FrameMessage:
         objects=objects,
         joints=joints,
         contacts=list(_contacts(frame)) if "contacts" in parts else UNSET,
+        pressures=list(_pressures(frame)) if "pressures" in parts else UNSET,
     )
 
 
@@ -134,4 +135,22 @@ def _contacts(frame: Outgoing) -> Iterator[schema.Contact]:
             position,
             normal,
             force,
+        )
+
+
+def _pressures(frame: Outgoing) -> Iterator[schema.Pressed]:
+    """What is under pressure, pair by pair; rounded to what can be seen."""
+    rows = None if frame.simulated is None else frame.simulated.soft_contacts
+    if rows is None:
+        return
+    for layer, other in np.unique(np.column_stack([rows.layer, rows.other]), axis=0).tolist():
+        mine = rows[(rows.layer == layer) & (rows.other == other)]
+        yield schema.Pressed(
+            frame.names[layer],
+            frame.names[other],
+            np.round(mine.position, 5).tolist(),
+            np.round(mine.normal, 4).tolist(),
+            np.round(mine.depth, 6).tolist(),
+            np.round(mine.pressure, 1).tolist(),
+            np.round(mine.area, 8).tolist(),
         )

@@ -18,7 +18,10 @@ from halfphysics.results.layer_pressure import carried_share, pressures
 from halfphysics.results.result import SETTLE
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from halfphysics.results.inside import Inside
+    from halfphysics.results.layer_pressure import LayerPressure
     from halfphysics.results.result import Result
 
 Array = NDArray[np.float64]
@@ -35,20 +38,20 @@ _PARTS = 3  # parts that are named for each
 
 def summary(result: Result, *, brief: bool = False) -> str:
     """The work behind `Result.summary`; `brief`: without how people stand, which takes seconds."""
-    lines = [_head(result)]
+    lines, pairs = [_head(result)], pressures(result)
     for index, person in enumerate(result.people):
         block = [
             *_following(result, index),
             *hold_lines(result, index),
             *([] if brief else standing(result, index)),
             *_touches(result, index),
-            *_pressed(result, person.name, index),
+            *_pressed(result, pairs, person.name, index),
             *_inside(result, result.inside[result.inside.person == index]),
         ]
         lines += [f"{person.name}:", *(f"  {line}" for line in block)]
     people = {person.name for person in result.people}
-    for other in dict.fromkeys(p.other for p in pressures(result) if p.other not in people):
-        lines += [f"{other}: {line}" for line in _pressed(result, other)]
+    for other in dict.fromkeys(p.other for p in pairs if p.other not in people):
+        lines += [f"{other}: {line}" for line in _pressed(result, pairs, other)]
     lines += [*_objects(result), *_inside(result, result.inside[result.inside.person < 0])]
     lines += [*_breaches(result), *_nearest(result), _cost(result)]
     return "\n".join(lines)
@@ -136,9 +139,11 @@ def _touches(result: Result, index: int) -> list[str]:
     return lines
 
 
-def _pressed(result: Result, name: str, person: int | None = None) -> list[str]:
+def _pressed(
+    result: Result, pairs: Sequence[LayerPressure], name: str, person: int | None = None
+) -> list[str]:
     """The soft things that a person or object pressed in, the hardest pressed first."""
-    found = [p for p in pressures(result) if p.other == name]
+    found = [p for p in pairs if p.other == name]
     lines = []
     for its in sorted(found, key=lambda p: -p.peak.max())[:_LISTED]:
         frame = int(its.peak.argmax())
@@ -150,7 +155,7 @@ def _pressed(result: Result, name: str, person: int | None = None) -> list[str]:
         )
     if found and person is not None:
         try:
-            share = carried_share(result, person)
+            share = carried_share(result, person, found)
         except HalfPhysicsError:  # the body is missing: its mass is not known
             return lines
         lines.append(

@@ -19,8 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.copying import FrozenMapping
-from halfphysics.results.layer_rows import LayerRows, item_of, pressed_items, rows_of
+from halfphysics.results.layer_rows import LayerRows, pressed_things, rows_of
 from halfphysics.results.layer_surface import REACH, LayerSurface
+from halfphysics.scene.soft_frame import soft_frame
 
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
@@ -64,9 +65,9 @@ class Dent:
         return self.layer.faces
 
     def depth_at(self, frame: int) -> Array:
-        """How far every vertex has given in a frame (V,) [m]."""
+        """How far every vertex has given in a frame (V,) [m]; later ones are as the last."""
         out = np.zeros(len(self.layer.surface))
-        out[self.vertices] = self.depth[frame]
+        out[self.vertices] = self.depth[min(frame, len(self.depth) - 1)]
         return out
 
     def at(self, frame: int) -> Array:
@@ -86,21 +87,18 @@ def dents_of(result: Result) -> Mapping[str, Dent]:
     found: dict[str, Dent] = {}
     if contacts is None:
         return FrozenMapping(found)
-    for index in pressed_items(result, contacts):
-        name, item = result.names[index], item_of(result, index)
-        assert item is not None
-        assert item.soft is not None
-        rows = rows_of(result, contacts, index)
-        made = dent_of(name, layer_of(item), rows, len(result), 1.0 / result.fps, item.soft)
+    for thing in pressed_things(result, contacts):
+        rows = rows_of(result, contacts, thing.index)
+        base = layer_of(thing.item, thing.soft)
+        made = dent_of(thing.name, base, rows, len(result), 1.0 / result.fps, thing.soft)
         if len(made.vertices):
-            found[name] = made
+            found[thing.name] = made
     return FrozenMapping(found)
 
 
-def layer_of(item: Static | Object) -> LayerSurface:
-    """The layer of a soft thing, with the faces of its own shape."""
-    frame = item.soft_frame
-    assert frame is not None
+def layer_of(item: Static | Object, soft: Soft) -> LayerSurface:
+    """The layer `soft` of a static or an object, with the faces of its own shape."""
+    frame = soft_frame(item.true_shape, soft)
     return LayerSurface(
         surface=np.asarray(frame.surface),
         inner=np.asarray(frame.inner),
@@ -154,13 +152,13 @@ class Recovery:
         self._free = float(np.exp(-seconds / slower)) if foam else 0.0
         self._crept = np.zeros(count)
 
-    def after(self, pressed: Array) -> Array:
-        """Depths (V,) [m] a frame later, where samples press them to `pressed` (V,) [m]."""
+    def after(self, pressed: Array, frames: int = 1) -> Array:
+        """Depths (V,) [m] so many frames later, where samples press to `pressed` (V,) [m]."""
         if not self._share:
             return pressed
-        free = self._free * self._crept
+        free = self._free**frames * self._crept
         held = pressed > self._share * free
-        self._crept = np.where(held, pressed + (self._crept - pressed) * self._kept, free)
+        self._crept = np.where(held, pressed + (self._crept - pressed) * self._kept**frames, free)
         return np.where(held, pressed, self._share * free)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -69,10 +70,17 @@ def _of_pair(result: Result, rows: SoftContacts) -> LayerPressure:
     )
 
 
-def carried_share(result: Result, person: int) -> Array:
+def carried_share(
+    result: Result, person: int, pairs: Sequence[LayerPressure] | None = None
+) -> Array:
     """Share of a person's weight that soft layers carry (T,): their force upward over the weight.
 
     Zero where nothing is soft, and without gravity.
+
+    Args:
+        result: The result.
+        person: Index into `Result.people`.
+        pairs: What presses, where it is known already: of `pressures`, those of the person.
 
     Raises:
         FileError: In a result from a file: the body is missing.
@@ -83,7 +91,7 @@ def carried_share(result: Result, person: int) -> Array:
     if g == 0.0:
         return np.zeros(len(result))
     lifted = np.zeros((len(result), 3))
-    for its in pressures(result):
+    for its in pressures(result) if pairs is None else pairs:
         lifted += its.force if its.other == name else 0.0
     share: Array = lifted @ (-gravity / g) / (result.people[person].body.mass * g)
     return share

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from halfphysics.results.result import Result
     from halfphysics.results.soft_contacts import SoftContacts
     from halfphysics.scene.items import Object, Static
+    from halfphysics.scene.soft import Soft
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -65,13 +66,30 @@ def item_of(result: Result, index: int) -> Static | Object | None:
     return result.scene.statics.get(name) or result.scene.objects.get(name)
 
 
-def pressed_items(result: Result, contacts: SoftContacts) -> list[int]:
-    """Indices of the names of the soft statics and objects that something presses, ascending."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SoftThing:
+    """A soft static or object of a result.
+
+    Attributes:
+        index, name: In `Result.names`.
+        item: The static or object.
+        soft: Its layer.
+    """
+
+    index: int
+    name: str
+    item: Static | Object
+    soft: Soft
+
+
+def pressed_things(result: Result, contacts: SoftContacts) -> list[SoftThing]:
+    """The soft statics and objects that something presses, in the order of `Result.names`."""
     found = []
     for index in np.union1d(contacts.layer, contacts.other).tolist():
         item = item_of(result, index)
         if item is not None and item.soft is not None:
-            found.append(index)
+            thing = SoftThing(index=index, name=item.name, item=item, soft=item.soft)
+            found.append(thing)
     return found
 
 

@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.geometry.inset import plane_offsets
 from halfphysics.geometry.mesh_queries import MeshQuery
 from halfphysics.geometry.subdivision import subdivided
 
@@ -48,8 +49,8 @@ _COVERED = 0.75
 # Depths in the contact are fitted to this many samples, by weights that fall off over this part of
 # the distance between them.
 _NEIGHBOURS, _WIDTH = 8, 0.7
-# Directions along which the faces' normals hardly differ do not count; the longest way for a metre.
-_SMALL, _LONGEST = 1e-4, 2.0
+# The longest way of a vertex for a metre of depth [m].
+_LONGEST = 2.0
 # Rounds of the search for the smallest surface; the first that spread the depth along edges.
 _SPREAD, _SMOOTH = 14, 16
 # A sample presses on vertices whose outward direction is within 72 degrees of its own.
@@ -291,29 +292,11 @@ def _reduced(operation: Any, values: Array, starts: Sequence[int] | Ints) -> Arr
 
 
 def _inward(points: Array, faces: Ints) -> Array:
-    """Where vertices go for each metre of depth (V, 3): n . d = -1 for the faces around each.
-
-    The least squares solution, by area: on a flat side against its normal, at an edge aslant.
-    """
-    corners = points[faces]
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    twice = np.maximum(np.linalg.norm(across, axis=1), 1e-300)
-    unit = across / twice[:, None]
-    count, flat = len(points), faces.ravel()
-
-    def around(values: Array) -> Array:
-        total: Array = np.bincount(flat, np.repeat(twice * values, 3), count).astype(np.float64)
-        return total
-
-    whole: Array = np.maximum(around(np.ones(len(faces))), 1e-300)
-    right = np.stack([around(column) for column in unit.T], axis=1) / whole[:, None]
-    products = np.array([[around(a * b) for a in unit.T] for b in unit.T]).transpose(2, 0, 1)
-    matrix = products / whole[:, None, None] + _SMALL * np.eye(3)
-    solved = np.linalg.solve(matrix, right[..., None])[..., 0]
-    result: Array = np.asarray(-(1.0 + _SMALL) * solved, dtype=np.float64)
-    size = np.maximum(np.linalg.norm(result, axis=1), 1e-12)
-    shorter: Array = np.minimum(1.0, _LONGEST / size)[:, None] * result
-    return shorter
+    """Where vertices go for each metre of depth (V, 3): at an edge aslant, and not too far."""
+    way = plane_offsets(points, faces.astype(np.int32))
+    size = np.linalg.norm(way, axis=1, keepdims=True)
+    result: Array = way * np.minimum(1.0, _LONGEST / np.maximum(size, _LONGEST))
+    return result
 
 
 def _spacing(tree: Any, places: Array) -> Array:

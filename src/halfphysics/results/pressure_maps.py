@@ -21,7 +21,7 @@ from halfphysics.base.validation import number, shown
 from halfphysics.errors import InputError
 from halfphysics.results.dents import layer_of
 from halfphysics.results.layer_pressure import SHOWN
-from halfphysics.results.layer_rows import pressed_items, rows_of
+from halfphysics.results.layer_rows import pressed_things, rows_of
 
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
@@ -186,17 +186,16 @@ def _chosen(result: Result, contacts: SoftContacts, name: str | None) -> str:
     """The name of a soft thing that is pressed; None: the one that is pressed most."""
     force = contacts.pressure * contacts.area
     pressed = {}
-    for index in pressed_items(result, contacts):
-        mine = (contacts.layer == index) | (contacts.other == index)
-        pressed[result.names[index]] = float(force[mine].sum())
+    for thing in pressed_things(result, contacts):
+        mine = (contacts.layer == thing.index) | (contacts.other == thing.index)
+        pressed[thing.name] = float(force[mine].sum())
+    if name is not None and name in pressed:
+        return name
     if name is None and pressed:
         return max(pressed, key=lambda thing: pressed[thing])
-    if name not in pressed:
-        hint = did_you_mean(name, pressed, otherwise=".")
-        there = ", ".join(pressed) or "no things; pressure on skins: --skin, skin_pressure()"
-        raise InputError(f"pressure: nothing presses on {shown(name)}{hint} Pressed are: {there}")
-    assert name is not None
-    return name
+    hint = did_you_mean(name, pressed, otherwise=".")
+    there = ", ".join(pressed) or "no things; pressure on skins: --skin, skin_pressure()"
+    raise InputError(f"pressure: nothing presses on {shown(name)}{hint} Pressed are: {there}")
 
 
 def _outline(result: Result, name: str, axes: Array) -> Array | None:
@@ -206,7 +205,7 @@ def _outline(result: Result, name: str, axes: Array) -> Array | None:
     item = result.scene.statics.get(name) or result.scene.objects[name]
     if isinstance(item, Static) and not np.isfinite(item.shape.volume):
         return None
-    points = item.mesh()[0] if item.soft is None else layer_of(item).surface
+    points = item.mesh()[0] if item.soft is None else layer_of(item, item.soft).surface
     flat = np.asarray(points) @ axes[:2].T
     return np.stack([flat.min(axis=0), flat.max(axis=0)])
 

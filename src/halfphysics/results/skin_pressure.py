@@ -51,12 +51,7 @@ def skin_pressure(result: Result, person: int = 0) -> NDArray[np.float32]:
         raise InputError(f"person: found {shown(person)}, expected 0 to {count - 1}")
     body = result.people[person].body
     frame, vertex, force, area = _on_skin(result, contacts, int(person))
-    own, place = np.unique(vertex, return_inverse=True)
-    if len(own) and own[-1] >= len(body.rest_vertices):
-        raise InputError(
-            f"pressure: found vertex {own[-1]}, but the skin of {result.people[person].name!r} has "
-            f"{len(body.rest_vertices)} vertices. Load the result with the body that was simulated"
-        )
+    own, place = np.unique(checked_vertices(result, person, vertex), return_inverse=True)
     out = np.zeros((len(result), len(body.rest_vertices)), dtype=np.float32)
     if not len(own):
         return out
@@ -69,6 +64,24 @@ def skin_pressure(result: Result, person: int = 0) -> NDArray[np.float32]:
     touched = np.flatnonzero(np.asarray(spread.sum(axis=1)).ravel() > 0.0)
     out[:, touched] = (spread[touched] @ forces).toarray().T
     return out
+
+
+def checked_vertices(result: Result, person: int, vertex: Ints) -> Ints:
+    """Vertices (n,) of a person's skin, as a file of a result names them.
+
+    A file is checked when it is read, but its bodies are loaded when they are needed.
+
+    Raises:
+        InputError: The body has no such vertex.
+    """
+    someone, most = result.people[person], int(vertex.max(initial=-1))
+    count = len(someone.body.rest_vertices)
+    if most >= count:
+        raise InputError(
+            f"pressure: found vertex {most}, but the skin of {someone.name!r} has {count} "
+            "vertices. Load the result with the body that was simulated"
+        )
+    return vertex
 
 
 def _on_skin(

@@ -57,6 +57,11 @@ class Static(ReadOnly):
         return None if self.soft is None else soft_frame(self.shape, self.soft)
 
     @property
+    def true_shape(self) -> Shape:
+        """The shape as given: that of objects may be cut into convex pieces."""
+        return self.shape
+
+    @property
     def frame(self) -> Shape:
         """The hard shape: its own, or what is left of it under the layer."""
         return self.shape if (made := self.soft_frame) is None else made.frame

@@ -30,6 +30,8 @@ LEAST_STIFFNESS, MOST_STIFFNESS = 1e2, 1e10
 MOST_TIME, SLOWEST_RECOVERY = 10.0, 3600.0
 #: Fields that the law "linear" does not have.
 _OF_FOAM = ("densification", "hysteresis", "recovery")
+#: What a layer without a damping of its own is made with: it gets one by its stiffness.
+_BY_STIFFNESS: Any = None
 
 
 @dataclass(frozen=True)
@@ -39,7 +41,8 @@ class Soft:
     Attributes:
         thickness: From the surface to the hard frame [m].
         stiffness: Pressure per depth at small depths, k [Pa/m]: modulus over thickness.
-        damping: Pressure per speed of indentation, c [Pa s/m]; None: 0.01 s times the stiffness.
+        damping: Pressure per speed of indentation, c [Pa s/m]; not given, or None: 0.01 s times
+            the stiffness.
         law: "linear": p = k d + c d' down to the frame. "foam": stiffens towards full compression,
             and gives back less than it took: p = k d (1 + densification (d/thickness)^4) + c d',
             and beside it a spring that slackens.
@@ -50,7 +53,7 @@ class Soft:
 
     thickness: float
     stiffness: float
-    damping: float | None = None
+    damping: float = _BY_STIFFNESS
     law: Literal["foam", "linear"] = "foam"
     densification: float = 1.5
     hysteresis: float = 0.3
@@ -71,7 +74,7 @@ class Soft:
             most=MOST_STIFFNESS,
             why=" [Pa/m], the modulus of the foam over its thickness (seat foam of 0.1 m: 1.9e5)",
         )
-        if self.damping is None:
+        if self.damping is _BY_STIFFNESS:
             object.__setattr__(self, "damping", DAMPING_TIME * self.stiffness)
         check.number(
             "damping",
@@ -125,7 +128,6 @@ class Soft:
     def of_thickness(self, thickness: float) -> Soft:
         """A layer of the same foam with another thickness [m]: its modulus stays."""
         factor = self.thickness / thickness
-        assert self.damping is not None
         return replace(
             self,
             thickness=thickness,

@@ -169,11 +169,7 @@ class Recorder:
         Warns:
             HalfPhysicsWarning: There were too many pressures to keep those of every frame.
         """
-        if self._soft.every > 1:
-            warn(
-                f"pressures are kept of one frame in {self._soft.every}: more than "
-                f"{MOST_PRESSED:,} samples were pressed. Simulate shorter pieces to keep them all."
-            )
+        _say_kept(self._soft.every)
         self._torque.setflags(write=False)
         return Recording(
             dt=self._dt,
@@ -189,6 +185,30 @@ class Recorder:
             inside=self._inside.rows(),
             breaches=self._breaches.rows(),
             soft=self._soft.rows(),
+        )
+
+
+def kept_of(counts: Ints) -> int:
+    """Which frames' samples under pressure are kept: every one, every second, every fourth, ...
+
+    Args:
+        counts: Number of samples of every frame (T,).
+
+    Warns:
+        HalfPhysicsWarning: There are too many to keep those of every frame.
+    """
+    every = 1
+    while counts[::every].sum() > MOST_PRESSED and every < len(counts):
+        every *= 2
+    _say_kept(every)
+    return every
+
+
+def _say_kept(every: int) -> None:
+    if every > 1:
+        warn(
+            f"pressures are kept of one frame in {every}: more than {MOST_PRESSED:,} samples were "
+            "pressed. Simulate shorter pieces to keep them all."
         )
 
 

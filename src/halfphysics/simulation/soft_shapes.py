@@ -51,7 +51,6 @@ def skin_of(settings: Settings) -> SoftSkin | None:
 
 def layer_arguments(soft: Soft) -> tuple[str, float, float, float, float, float, float]:
     """The first arguments of the core's calls, in their order."""
-    assert soft.damping is not None
     foam = (soft.densification, soft.hysteresis, soft.recovery)
     none = (0.0, 0.0, 1.0)
     return (

@@ -7,6 +7,8 @@ frames in few numbers (`halfphysics.results.low_rank`), from which its script co
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +18,8 @@ from halfphysics.results.low_rank import low_rank
 from halfphysics.viewer.packing import packed
 
 if TYPE_CHECKING:
-    from halfphysics.render.result_meshes import Item
+    from halfphysics.render.rasterizer import Surface
+    from halfphysics.results.dents import Dent
     from halfphysics.viewer.stage import Stage
 
 Array = NDArray[np.float64]
@@ -30,11 +33,28 @@ MOST_NUMBERS = 400_000
 WAY_GRAIN = 2.0**-12
 
 
-def own_vertices(item: Item, handle: Any) -> Ints:
-    """The vertex of an item's mesh that each of viser's is: it has copies along sharp edges."""
+@dataclass(frozen=True, eq=False)
+class SoftNode:
+    """A soft item of a stage.
+
+    Attributes:
+        name: As in `Drawing`, such as "static/sofa".
+        surface: Its mesh.
+        dent: How that gives.
+        handle: viser's handle of the mesh.
+    """
+
+    name: str
+    surface: Surface
+    dent: Dent
+    handle: Any
+
+
+def own_vertices(surface: Surface, handle: Any) -> Ints:
+    """The vertex of a surface that each of viser's is: it has copies along sharp edges."""
     from scipy.spatial import cKDTree
 
-    found = cKDTree(item.surface.vertices).query(np.asarray(handle.vertices, dtype=np.float64))[1]
+    found = cKDTree(surface.vertices).query(np.asarray(handle.vertices, dtype=np.float64))[1]
     return np.asarray(found, dtype=np.int64)
 
 
@@ -42,27 +62,23 @@ class DentNodes:
     """The soft items of a stage, whose vertices are sent when they move.
 
     Args:
-        items: Name -> item, each with a dent.
-        handles: Name -> viser's handle of its mesh.
+        nodes: The soft items.
     """
 
-    def __init__(self, items: dict[str, Item], handles: dict[str, Any]) -> None:
-        self._items = items
-        self._handles = handles
-        self._own = {name: own_vertices(item, handles[name]) for name, item in items.items()}
-        self._shown = dict.fromkeys(items, -1)
+    def __init__(self, nodes: Sequence[SoftNode]) -> None:
+        self._nodes = nodes
+        self._own = [own_vertices(node.surface, node.handle) for node in nodes]
+        self._shown = [-1] * len(nodes)
 
     def show(self, frame: int) -> None:
         """Show the dents of a frame."""
-        for name, item in self._items.items():
-            assert item.dent is not None
-            depth, before = item.dent.depth, self._shown[name]
+        for k, node in enumerate(self._nodes):
+            depth, before = node.dent.depth, self._shown[k]
             at = min(frame, len(depth) - 1)
             flat = not depth[at].any() if before < 0 else np.array_equal(depth[at], depth[before])
-            self._shown[name] = at
+            self._shown[k] = at
             if not flat:
-                moved = item.dent.at(at)[self._own[name]]
-                self._handles[name].vertices = moved.astype(np.float32)
+                node.handle.vertices = node.dent.at(at)[self._own[k]].astype(np.float32)
 
 
 def dent_document(stage: Stage, step: int) -> list[dict[str, Any]]:
@@ -74,11 +90,10 @@ def dent_document(stage: Stage, step: int) -> list[dict[str, Any]]:
     (rows, vertices) and `weight` (frames, rows): their product is the depth of every vertex.
     """
     found = []
-    for name, item, handle in stage.soft_items():
-        dent = item.dent
-        assert dent is not None
+    for node in stage.soft_items():
+        dent = node.dent
         depth = dent.depth[::step].astype(np.float64)
-        layer, own = dent.layer, own_vertices(item, handle)
+        layer, own = dent.layer, own_vertices(node.surface, node.handle)
         place = np.full(len(layer.surface), -1)
         place[dent.vertices] = np.arange(len(dent.vertices))
         at = np.flatnonzero(place[own] >= 0)
@@ -88,7 +103,7 @@ def dent_document(stage: Stage, step: int) -> list[dict[str, Any]]:
         unit = float(np.abs(rows).max(initial=1e-6)) / 32767.0
         found.append(
             {
-                "node": stage.path(name),
+                "node": stage.path(node.name),
                 "count": len(own),
                 "at": packed(np.diff(at, prepend=0), "<i4"),
                 "way": packed(np.clip(way, -32767, 32767), "<i2"),

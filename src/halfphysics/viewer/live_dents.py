@@ -38,7 +38,7 @@ def unpressed(scene: Scene) -> dict[str, Dent]:
     items: dict[str, Static | Object] = {**scene.statics, **scene.objects}
     for name, item in items.items():
         if item.soft is not None:
-            layer = layer_of(item).finer(None, MOST_VERTICES)
+            layer = layer_of(item, item.soft).finer(None, MOST_VERTICES)
             every = np.arange(len(layer.surface))
             depth = np.zeros((1, len(every)), dtype=np.float32)
             found[name] = Dent(name=name, layer=layer, vertices=every, depth=depth)
@@ -59,15 +59,14 @@ class LiveDents:
     def __init__(self, stage: Stage, scene: Scene, names: tuple[str, ...], seconds: float) -> None:
         self._scene, self._names = scene, names
         self._things: list[tuple[int, Dent, Any, Any, Recovery]] = []
-        for path, item, handle in stage.soft_items():
-            name = path.split("/", 1)[1]
-            soft = (scene.statics.get(name) or scene.objects[name]).soft
-            dent = item.dent
-            assert dent is not None
-            assert soft is not None
-            back = Recovery(soft, seconds, len(dent.vertices))
-            own = own_vertices(item, handle)
-            self._things.append((names.index(name), dent, own, handle, back))
+        items: dict[str, Static | Object] = {**scene.statics, **scene.objects}
+        for node in stage.soft_items():
+            layer = items[node.dent.name].soft
+            if layer is not None:
+                back = Recovery(layer, seconds, len(node.dent.vertices))
+                own = own_vertices(node.surface, node.handle)
+                index = names.index(node.dent.name)
+                self._things.append((index, node.dent, own, node.handle, back))
         self._flat = [True] * len(self._things)
 
     def __len__(self) -> int:
@@ -75,13 +74,17 @@ class LiveDents:
         return len(self._things)
 
     def show(
-        self, contacts: SoftContacts | None, objects: Mapping[str, tuple[Array, Array]]
+        self,
+        contacts: SoftContacts | None,
+        objects: Mapping[str, tuple[Array, Array]],
+        frames: int = 1,
     ) -> None:
         """Show what presses now.
 
         Args:
             contacts: Of the frame, as `Frame.soft_contacts`.
             objects: Name -> position (3,) [m] and quaternion (4,), as `Frame.objects`.
+            frames: Frames since the last one that was shown.
         """
         if contacts is None:
             return
@@ -96,7 +99,8 @@ class LiveDents:
             layer = dent.layer
             some = (rows.depth > 0.0) & layer.facing(rows.position, rows.normal)
             rows = rows[some]
-            w = back.after(layer.depths(layer.pressed(rows.position, rows.normal, rows.depth)))
+            pressed = layer.pressed(rows.position, rows.normal, rows.depth)
+            w = back.after(layer.depths(pressed), frames)
             flat = bool((w < LEAST).all())
             if not (flat and self._flat[k]):
                 depth = np.where(w < LEAST, 0.0, w)

@@ -12,8 +12,9 @@ from halfphysics.errors import HalfPhysicsError
 from halfphysics.live.client import LiveClient, LiveFrame, connect
 from halfphysics.live.schema import Hello, Part
 
-#: What is heard: everything that is drawn.
+#: What is heard: everything that is drawn; of what is soft, how it is pressed, too.
 _PARTS: tuple[Part, ...] = ("poses", "targets", "objects", "contacts")
+_SOFT_PARTS: tuple[Part, ...] = (*_PARTS, "pressures")
 # Pause before the next try to connect, between two pings, and longest wait for a frame [s].
 _AGAIN, _PING, _WAIT = 1.0, 2.0, 1.0
 # Frames whose rate and age are shown.
@@ -116,7 +117,8 @@ class LiveReader:
         """Connect and wait for the first frame."""
         client = connect(self.url)
         try:
-            client.subscribe(_PARTS)
+            items = (*client.hello.statics, *client.hello.objects)
+            client.subscribe(_PARTS if all(i.soft is None for i in items) else _SOFT_PARTS)
             self.numbers.connected()
             self._ping(client)
             self.frame = client.receive(timeout=_WAIT)

@@ -15,13 +15,15 @@ from halfphysics.body.body import Body
 from halfphysics.errors import InputError
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Sphere
 from halfphysics.live.client import LiveFrame
-from halfphysics.live.schema import Contact, Hello, PersonItem, SceneItem
+from halfphysics.live.schema import Contact, Hello, PersonItem, Pressed, SceneItem
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.pose import Pose
 from halfphysics.motion.skeleton import JOINT_INDEX, N_JOINTS
 from halfphysics.render.result_meshes import Drawing
+from halfphysics.results.soft_contacts import SoftContacts
 from halfphysics.scene.scene import Scene
 from halfphysics.viewer.contacts import KINDS, NO_PERSON, OBJECT, PERSON, SCENE, FrameContacts, Ints
+from halfphysics.viewer.live_dents import unpressed
 from halfphysics.viewer.provisional import drawn
 
 Array = NDArray[np.float64]
@@ -85,7 +87,9 @@ def drawing_of(hello: Hello, people: Sequence[LivePerson], frame: LiveFrame) -> 
         for name, item in scene.objects.items()
     }
     names = [*scene.statics, *scene.objects, *(person.name for person in people)]
-    return Drawing(drawn(motions, [p.body for p in people], scene, objects, names=names))
+    result = drawn(motions, [p.body for p in people], scene, objects, names=names)
+    vars(result)["dents"] = unpressed(scene)  # as long as nothing presses
+    return Drawing(result)
 
 
 def scene_of(statics: Sequence[SceneItem], objects: Sequence[SceneItem]) -> Scene:
@@ -97,12 +101,39 @@ def scene_of(statics: Sequence[SceneItem], objects: Sequence[SceneItem]) -> Scen
     scene = Scene()
     for item in statics:
         shape, place = _shape(item)
-        scene.add_static(item.name, shape, **place)
+        scene.add_static(item.name, shape, soft=item.soft, **place)
     for item in objects:
         shape, place = _shape(item)
         pieces = "hull" if isinstance(shape, trimesh.Trimesh) else "auto"
-        scene.add_object(item.name, shape, mass=1.0, pieces=pieces, **place)
+        scene.add_object(item.name, shape, mass=1.0, pieces=pieces, soft=item.soft, **place)
     return scene
+
+
+def pressures_of(pressed: Sequence[Pressed], names: Sequence[str]) -> SoftContacts:
+    """The pressures of a frame as a table, whose indices are those of `names`.
+
+    What is of other names is left out: it came before the scene that has it.
+
+    Raises:
+        InputError: Numbers that are none, or not as many of each kind.
+    """
+    known = [one for one in pressed if one.layer in names and one.other in names]
+    if not known:
+        return SoftContacts.none()
+    counts = [len(one.depth) for one in known]
+    none = np.full(sum(counts), -1)
+    columns: dict[str, Any] = {"frame": none + 1, "part": none, "vertex": none}
+    for name in ("layer", "other"):
+        index = [list(names).index(getattr(one, name)) for one in known]
+        columns[name] = np.repeat(index, counts)
+    for name in ("position", "normal", "depth", "pressure", "area"):
+        size = (-1, 3) if name in SoftContacts.VECTORS else (-1,)
+        try:
+            each = [np.array(getattr(one, name), dtype=np.float64).reshape(size) for one in known]
+        except ValueError as error:
+            raise InputError(f"pressures.{name}: found numbers that do not fit ({error})") from None
+        columns[name] = np.concatenate(each)
+    return SoftContacts(**columns)
 
 
 def _shape(item: SceneItem) -> tuple[Any, dict[str, Any]]:

@@ -13,10 +13,11 @@ from halfphysics.viewer.camera import PRESETS, Cameras
 from halfphysics.viewer.coloring import RAMP
 from halfphysics.viewer.contacts import ContactNodes
 from halfphysics.viewer.framing import WINDOW, on_people
+from halfphysics.viewer.live_dents import LiveDents
 from halfphysics.viewer.live_hands import LiveHands
 from halfphysics.viewer.live_panel import LivePanel
 from halfphysics.viewer.live_reader import LiveReader
-from halfphysics.viewer.live_scene import LivePerson, LiveTouches, drawing_of
+from halfphysics.viewer.live_scene import LivePerson, LiveTouches, drawing_of, pressures_of
 from halfphysics.viewer.remote import Remote
 from halfphysics.viewer.served import Served
 from halfphysics.viewer.skin_forces import live_points
@@ -111,8 +112,8 @@ class LiveView(Served):
         """Show a frame, if it is new."""
         if frame.frame == self._frame:
             return
-        if self._frame >= 0:
-            self.skipped += max(frame.frame - self._frame - 1, 0)
+        passed = max(frame.frame - self._frame, 1) if self._frame >= 0 else 1
+        self.skipped += passed - 1
         self._frame = frame.frame
         self.shown += 1
         self._touches.contacts = frame.contacts
@@ -132,6 +133,9 @@ class LiveView(Served):
                 if name in self._objects:
                     self.stage.place(name, *place)
             self._contacts.show(0)
+            if len(self._dents):
+                pressed = pressures_of(frame.pressures, self._names)
+                self._dents.show(pressed, {**self._start, **frame.objects}, passed)
             self.lights.follow(self.cameras.subject())
         self.cameras.follow()
         self.remote.tell_now(points=points)
@@ -150,8 +154,18 @@ class LiveView(Served):
             self._wardrobe.put_away()
             figure = self._wardrobe.figure
             self.stage = Stage(
-                self.server, drawing, prefix, faint=row.faint[0], live=True, figure=figure
+                self.server,
+                drawing,
+                prefix,
+                faint=row.faint[0],
+                live=True,
+                figure=figure,
+                dents=False,
             )
+            result = drawing.result
+            self._names = result.names
+            self._start = {n: (t.position[0], t.quaternion[0]) for n, t in result.objects.items()}
+            self._dents = LiveDents(self.stage, result.scene, self._names, 1.0 / hello.fps)
             statics, people = [s.name for s in hello.statics], [p.name for p in self.people]
             self._touches = LiveTouches(statics, people)
             self._contacts = ContactNodes(self.server, self.stage, self._touches)

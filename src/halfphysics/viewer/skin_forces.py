@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.results.skin_pressure import checked_vertices
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -113,7 +114,11 @@ class SoftPoints:
 
 
 def soft_points(result: Result) -> SoftPoints | None:
-    """What presses on people's skins from soft things; None: nothing."""
+    """What presses on people's skins from soft things; None: nothing.
+
+    Raises:
+        InputError: A body has fewer vertices than what presses it.
+    """
     contacts = getattr(result, "soft_contacts", None)
     if contacts is None:
         return None
@@ -125,7 +130,8 @@ def soft_points(result: Result) -> SoftPoints | None:
     place = np.zeros((len(mine), 3))
     for index, someone in enumerate(result.people):
         rows = person == index
-        place[rows] = np.asarray(someone.body.rest_vertices)[mine.vertex[rows]]
+        vertex = checked_vertices(result, index, mine.vertex[rows])
+        place[rows] = np.asarray(someone.body.rest_vertices)[vertex]
     key = np.column_stack([mine.frame, person, np.floor(place / CUBE).astype(np.int64)])
     cubes, own = np.unique(key, axis=0, return_inverse=True)
     own = own.reshape(-1)

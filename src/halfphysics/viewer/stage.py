@@ -22,7 +22,7 @@ from halfphysics.render.rasterizer import Camera, linear
 from halfphysics.render.result_meshes import Drawing, Item
 from halfphysics.render.viewpoint import FOV
 from halfphysics.viewer.bones import GRAIN
-from halfphysics.viewer.dents import DentNodes
+from halfphysics.viewer.dents import DentNodes, SoftNode
 from halfphysics.viewer.figure import Figure, moving_joints, rgb
 from halfphysics.viewer.lights import Lights
 
@@ -130,8 +130,7 @@ class Stage:
         self.layers = {name: layer for name, layer in layers.items() if layer.parts}
         soft = self.soft_items()
         if dents and soft:
-            nodes = DentNodes({n: i for n, i, _ in soft}, {n: h for n, _, h in soft})
-            self.followers.append(nodes.show)
+            self.followers.append(DentNodes(soft).show)
 
     def _add_items(self, faint: Collection[str], without: Collection[str]) -> None:
         """Add the meshes of static geometry and of objects."""
@@ -244,14 +243,18 @@ class Stage:
         """viser's handle of a static."""
         return self._statics[name]
 
-    def soft_items(self) -> list[tuple[str, Item, Any]]:
-        """Name as in `Drawing`, item and viser's handle of soft items that something presses."""
+    def soft_items(self) -> list[SoftNode]:
+        """The soft items that something presses."""
         nodes = [
             *((f"static/{name}", handle) for name, handle in self._statics.items()),
             *((f"object/{name}", handle) for name, handle in self._objects.items()),
         ]
-        items = {**self.drawing.statics, **self.drawing.objects}
-        return [(n, items[n], handle) for n, handle in nodes if items[n].dent is not None]
+        found = []
+        for name, handle in nodes:
+            item = {**self.drawing.statics, **self.drawing.objects}[name]
+            if item.dent is not None:
+                found.append(SoftNode(name, item.surface, item.dent, handle))
+        return found
 
     def draws(self, name: str) -> bool:
         """Whether there is a node for a static."""

@@ -94,9 +94,17 @@ class PairJudge:
             low, high = a.low[t, :, None] - NEAR, a.high[t, :, None] + NEAR
             meet = ((low <= b.high[t]) & (high >= b.low[t])).all(axis=2)
             meeting = np.argwhere(meet)
-            solids = {(0, i): a.solid(i, t) for i in set(meeting[:, 0].tolist())}
-            solids |= {(1, j): b.solid(j, t) for j in set(meeting[:, 1].tolist())}
-            for i, j in meeting.tolist():
+            one, other = meeting.T
+            between = np.maximum(b.low[t, other] - a.high[t, one], a.low[t, one] - b.high[t, other])
+            boxes = np.linalg.norm(np.maximum(between, 0.0), axis=1)
+            solids = {}
+            for k in np.argsort(boxes, kind="stable").tolist():
+                if boxes[k] > max(verdict.gaps[first + t], 0.0):
+                    break  # pairs are no nearer to each other than their boxes
+                i, j = meeting[k].tolist()
+                for key, mine in (((0, i), a), ((1, j), b)):
+                    if key not in solids:
+                        solids[key] = mine.solid(key[1], t)
                 asked, found = coal.DistanceRequest(), coal.DistanceResult()
                 gap = coal.distance(*solids[0, i], *solids[1, j], asked, found)
                 if gap < verdict.gap:

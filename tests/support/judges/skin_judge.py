@@ -134,7 +134,15 @@ class SkinJudge:
         ]
 
     def judge_motion(
-        self, motion, objects=None, *, poses=None, continuous=False, every=1, coal_every=1
+        self,
+        motion,
+        objects=None,
+        *,
+        poses=None,
+        continuous=False,
+        every=1,
+        coal_every=1,
+        least=False,
     ):
         """A motion's poses; with `continuous`, its ways from each to the next too.
 
@@ -142,6 +150,7 @@ class SkinJudge:
             which are judged by their convex pieces.
         poses: number of first poses to judge.
         every, coal_every: interval of poses for depth and for coal (and the last pose).
+        least: `gaps` are only those that are smaller than all before, and the last: others are inf.
         """
         things = [*self.statics, *self._objects(objects or {})]
         count = len(motion) if poses is None else poses
@@ -165,6 +174,7 @@ class SkinJudge:
                     verdict,
                     full=t % every == 0 or last,
                     by_coal=t % coal_every == 0 or last,
+                    most=verdict.gap if least and not last else NEAR,
                 )
                 before = skin
         return verdict
@@ -225,17 +235,17 @@ class SkinJudge:
                 out += [_Thing(name, piece, *at) for piece in obstacles_of(solid.shape)]
         return out
 
-    def _pose(self, skin, before, things, t, verdict, *, full, by_coal):
+    def _pose(self, skin, before, things, t, verdict, *, full, by_coal, most):
         verdict.checked += full
         points = self.skin.points(skin) if full else skin
         inside = np.zeros(len(skin), dtype=bool)
-        low, high = self._boxes(skin, before)
+        low, high = (skin, skin) if before is None else _ends(skin, before)
         for thing in things:
             below, above = thing.bounds(t)
             near = _in_box(points, below - NEAR, above + NEAR)
             if len(near):
                 local = thing.local(points[near], t)
-                self._gap(thing, local[near < len(skin)], near, t, verdict)
+                self._gap(thing, local[near < len(skin)], near, t, verdict, most)
                 if full:
                     depth = self._depth(thing, local, near, t, verdict)
                     deep = near[depth > ROUNDING]
@@ -244,7 +254,7 @@ class SkinJudge:
                 self._swallowed(thing, skin, verdict)
             if thing.piece.plane and thing.piece.clear_of(thing.local(skin, t)):
                 continue  # and the way between two clear poses is clear
-            met = np.flatnonzero(_meets(low, high, below, above))
+            met = self._met(low, high, below, above)
             if len(met):
                 corners = skin[self.skin.faces[met]]
                 start = None if before is None else before[self.skin.faces[met]]
@@ -253,18 +263,24 @@ class SkinJudge:
                     verdict.coal.add(t)
         verdict.shares[t] = inside.mean()
 
-    def _boxes(self, skin, before):
-        """Boxes (F, 3) around the skin's triangles, and their previous positions."""
-        ends = (
-            (skin, skin) if before is None else (np.minimum(skin, before), np.maximum(skin, before))
-        )
-        (a, b, c), (d, e, f) = ([end[k] for k in self.skin.faces.T] for end in ends)
-        return np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(d, e), f)
+    def _met(self, low, high, below, above):
+        """Triangles of the skin, of vertices with boxes (V, 3), whose boxes meet a box."""
+        if not np.isfinite(below).all():
+            return np.arange(len(self.skin.faces))
+        sides = [high[:, k] >= below[k] for k in range(3)]
+        sides += [low[:, k] <= above[k] for k in range(3)]
+        # One vertex at least is not beyond a side, for each of them.
+        out = np.ones(len(self.skin.faces), dtype=bool)
+        a, b, c = self.skin.faces.T
+        for side in sides:
+            if not side.all():
+                out &= side[a] | side[b] | side[c]
+        return np.flatnonzero(out)
 
-    def _gap(self, thing, skin, near, t, verdict):
+    def _gap(self, thing, skin, near, t, verdict, most):
         if not len(skin):
             return
-        d, i = thing.piece.smallest(skin, min(NEAR, verdict.gaps[t]))
+        d, i = thing.piece.smallest(skin, min(most, NEAR, verdict.gaps[t]))
         if i < 0:
             return
         if d < verdict.gap:
@@ -336,6 +352,11 @@ class SkinJudge:
         here = coal.Transform3s()
         asked, found = coal.CollisionRequest(), coal.CollisionResult()
         return coal.collide(tree, here, piece.coal, here, asked, found) > 0
+
+
+def _ends(skin, before):
+    """Boxes (V, 3) around vertices and their previous positions."""
+    return np.minimum(skin, before), np.maximum(skin, before)
 
 
 def _tree(vertices, faces):

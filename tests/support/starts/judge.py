@@ -210,10 +210,14 @@ class StartJudge:
             normals, offsets = solid.normals, solid.offsets
             if solid.near is not None:
                 normals, offsets = normals[[solid.near]], offsets[[solid.near]]
+            first = 0  # the side beyond which all were in the pose after this one: asked first
             for k in range(len(posed.skin) - 1, last, -1):
                 x = posed.skin[k]
-                for n, o in zip(normals, offsets, strict=True):
-                    x = x[x @ n < o - EXACT]
+                for i in [first, *(i for i in range(len(normals)) if i != first)]:
+                    x = x[x @ normals[i] < offsets[i] - EXACT]
+                    if not len(x):
+                        first = i
+                        break
                 if len(x):
                     last = k
                     break

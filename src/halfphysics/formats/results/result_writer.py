@@ -81,7 +81,7 @@ def result_fields(result: Result) -> Fields:
         "meta/lost_time": result.lost_time,
         "meta/fps": np.array(result.fps),
         "meta/names": np.array(result.names, dtype=np.str_),
-        "meta/settings": _json(_settings_document(result.settings)),
+        "meta/settings": _json(settings_document(result.settings)),
         "meta/scene": _json(record_of_scene.document),
         "meta/people": _json(people),
         "meta/written_by": np.array(f"halfphysics {__version__}"),
@@ -184,7 +184,8 @@ def _json(data: Any) -> NDArray[Any]:
     return np.array(json.dumps(data, ensure_ascii=False, sort_keys=False, allow_nan=False))
 
 
-def _settings_document(settings: Settings) -> dict[str, Any]:
+def settings_document(settings: Settings) -> dict[str, Any]:
+    """Settings as plain data, as files have them."""
     values = options_of(settings)
     skin = values.pop("soft_skin")
     if skin is not False:

@@ -31,6 +31,8 @@ from halfphysics.motion.motion import Motion
 from halfphysics.results.contacts import Contacts
 from halfphysics.results.records import BodyRecord, SceneRecord, checked_document
 from halfphysics.results.result import DIAGNOSTICS, ObjectTrack, PersonResult, Result
+from halfphysics.results.soft_contacts import SoftContacts
+from halfphysics.simulation.recording import kept_of
 
 MAGIC = b"halfphysics unfinished result 1\n"
 HEAD, SCENE, FRAMES = b"head", b"scen", b"fram"
@@ -61,8 +63,9 @@ def write_document(file: BinaryIO, kind: bytes, document: Mapping[str, Any]) -> 
 def write_frames(file: BinaryIO, fields: Fields) -> None:
     """Append frames: arrays with one row per frame, by the keys of `frame_keys`.
 
-    Besides, `names` (n,): what contacts refer to; and the columns of contacts as "contact/COLUMN",
-    whose frames are counted from the first of the block.
+    Besides, `names` (n,): what contacts refer to; the columns of contacts as "contact/COLUMN",
+    whose frames are counted from the first of the block; and, where something is soft, those of
+    samples under pressure as "pressed/COLUMN", with "pressed/count", their number in each frame.
     """
     _write(file, FRAMES, npz_bytes(fields))
 
@@ -147,6 +150,7 @@ def _result(head: dict[str, Any], scene: SceneRecord, parts: list[Npz]) -> Resul
         scene=scene,
         names=names,
         contacts=_contacts(parts, counts, names),
+        soft_contacts=_pressures(parts, counts, names),
         clearance=whole["clearance"],
         lost_time=whole["lost_time"],
         settings=from_options({k: v for k, v in head["settings"].items() if k in OPTIONS}),
@@ -156,7 +160,7 @@ def _result(head: dict[str, Any], scene: SceneRecord, parts: list[Npz]) -> Resul
 
 def _common(parts: list[Npz]) -> list[str]:
     """Keys of arrays with a row per frame that all blocks have."""
-    apart = ("contact/", "object/", "joint/", "names")
+    apart = ("contact/", "pressed/", "object/", "joint/", "names")
     keys = [key for key in parts[0] if not key.startswith(apart)]
     return [key for key in keys if all(key in part for part in parts)]
 
@@ -208,12 +212,10 @@ def _names(parts: list[Npz], people: list[str]) -> tuple[str, ...]:
 
 def _contacts(parts: list[Npz], counts: list[int], names: tuple[str, ...]) -> Contacts:
     """All contacts, with frames and names of the whole."""
-    index = {name: i for i, name in enumerate(names)}
     columns: dict[str, list[NDArray[Any]]] = {name: [] for name in _ROWS}
     first = 0
     for part, count in zip(parts, counts, strict=True):
-        # One more entry for index -1: nothing.
-        new = np.array([*(index[str(name)] for name in part["names"]), -1], dtype=np.int64)
+        new = _renamed(part, names)
         for name in _ROWS:
             values = part[f"contact/{name}"]
             if name in ("other", "subject"):
@@ -221,3 +223,39 @@ def _contacts(parts: list[Npz], counts: list[int], names: tuple[str, ...]) -> Co
             columns[name].append(values + first if name == "frame" else values)
         first += count
     return Contacts(**{name: np.concatenate(values) for name, values in columns.items()})
+
+
+def _pressures(parts: list[Npz], counts: list[int], names: tuple[str, ...]) -> SoftContacts | None:
+    """All samples under pressure; None: nothing was soft.
+
+    Warns:
+        HalfPhysicsWarning: There are too many to keep those of every frame.
+    """
+    none = [np.zeros(count, dtype=np.int64) for count in counts]
+    each = [part.get("pressed/count", no) for part, no in zip(parts, none, strict=True)]
+    if not any("pressed/count" in part for part in parts):
+        return None
+    whole = np.concatenate(each)
+    if len(whole) != sum(counts) or whole.min(initial=0) < 0:
+        raise InputError("found numbers of pressures that are not those of its frames")
+    every = kept_of(whole)
+    columns: dict[str, list[NDArray[Any]]] = {name: [] for name in SoftContacts.columns()}
+    first = 0
+    for part, count, rows in zip(parts, counts, each, strict=True):
+        frame = np.repeat(np.arange(first, first + count), rows)
+        first += count
+        if "pressed/count" not in part:
+            continue
+        some, new = frame % every == 0, _renamed(part, names)
+        columns["frame"].append(frame[some])
+        for name in SoftContacts.columns():
+            if name != "frame":
+                values = part[f"pressed/{name}"][some]
+                columns[name].append(new[values] if name in ("layer", "other") else values)
+    return SoftContacts(**{name: np.concatenate(values) for name, values in columns.items()})
+
+
+def _renamed(part: Npz, names: tuple[str, ...]) -> NDArray[np.int64]:
+    """The index in `names` of each name of a block; one more entry for index -1: nothing."""
+    index = {name: i for i, name in enumerate(names)}
+    return np.array([*(index[str(name)] for name in part["names"]), -1], dtype=np.int64)

@@ -30,6 +30,8 @@ Array = NDArray[np.float64]
 #: The suitcase [m]: along the walk, between the palms, upright; and what it stands on.
 SIZE = (0.36, 0.25, 0.50)
 STOOL = (0.30, 0.25, 0.55)
+# How high its middle is as it stands [m].
+_MIDDLE = STOOL[2] + 0.5 * SIZE[2]
 #: When the palms close, the lift begins and ends, and the walk begins [s].
 CLOSE, LIFT, UP, WALK = 0.2, 1.0, 2.0, 2.4
 #: How far the suitcase is lifted [m]; how high its sides are pressed above its middle [m].
@@ -85,18 +87,27 @@ def build(
 
 @dataclass(frozen=True)
 class Carried:
-    """What is carried: its name, mass [kg], friction and the material of its sides (None: hard)."""
+    """What is carried.
+
+    Attributes:
+        name: Its name.
+        mass: [kg].
+        friction: Of its sides.
+        soft: The material of its sides; None: hard.
+        size: Along the walk, between the palms, upright [m].
+    """
 
     name: str
     mass: float
     friction: float
     soft: str | None = None
+    size: tuple[float, float, float] = SIZE
 
 
 def carried(
     thing: Carried, fps: float, squeeze: float, times: tuple[float, float], actor: Body
 ) -> Sequence:
-    """A person who lifts, carries and shakes a thing of the suitcase's size.
+    """A person who lifts, carries and shakes a thing, whose middle is as high as the suitcase's.
 
     Args:
         thing: What it is.
@@ -117,14 +128,15 @@ def carried(
     base = base.with_frames(base.translation[::-1], base.rotations[::-1])
     clock = np.arange(len(base)) / base.fps
     stands = base.duration - after
-    motion = _carrying(actor, base, Wrists(clock, stands, shake, squeeze))
+    motion = _carrying(actor, base, Wrists(clock, stands, shake, squeeze, thing.size[1]))
     scene = stage.floor()
     pelvis = actor.joints(base[0])[0]
-    at = np.array([pelvis[0] + _TAKEN + _palm(actor)[0], 0.0, STOOL[2] + 0.5 * SIZE[2]])
-    scene.add_static("stool", Box(STOOL), position=(at[0], at[1], 0.5 * STOOL[2]))
+    at = np.array([pelvis[0] + _TAKEN + _palm(actor)[0], 0.0, _MIDDLE])
+    stool = (*STOOL[:2], _MIDDLE - 0.5 * thing.size[2])
+    scene.add_static("stool", Box(stool), position=(at[0], at[1], 0.5 * stool[2]))
     scene.add_object(
         thing.name,
-        Box(SIZE),
+        Box(thing.size),
         mass=thing.mass,
         friction=thing.friction,
         position=at,
@@ -142,12 +154,14 @@ class Wrists:
         stands: When the walk is over [s].
         shake: How long it is shaken [s].
         squeeze: How far inside the sides the palms want to be [m].
+        width: From side to side [m].
     """
 
     times: Array
     stands: float
     shake: float
     squeeze: float
+    width: float
 
     @property
     def lifted(self) -> Array:
@@ -167,7 +181,7 @@ class Wrists:
         # In and out within half a period each, so that nothing jerks.
         share = ease(2.0 * RATE * since) * ease(2.0 * RATE * (self.shake - since))
         shaken = AMPLITUDE * share * np.sin(2.0 * np.pi * RATE * since)
-        return STOOL[2] + 0.5 * SIZE[2] + _ABOVE + RISE * self.lifted + shaken
+        return _MIDDLE + _ABOVE + RISE * self.lifted + shaken
 
 
 def _palm(body: Body) -> Array:
@@ -218,7 +232,7 @@ def _with_hands(body: Body, motion: Motion, wrists: Wrists) -> Array:
         wrist = np.empty((len(motion), 3))
         wrist[:, 0] = positions[:, 0, 0] + _TAKEN + (_CARRIED - _TAKEN) * lifted
         wrist[:, 0] += (1.0 - lifted) * _BACK
-        wrist[:, 1] = left * (0.5 * SIZE[1] + surface + wrists.apart)
+        wrist[:, 1] = left * (0.5 * wrists.width + surface + wrists.apart)
         wrist[:, 2] = wrists.height
         below = _TAKING + lifted * (_CARRYING - _TAKING)
         fingers = np.stack([np.cos(below), 0.0 * below, -np.sin(below)], axis=-1)

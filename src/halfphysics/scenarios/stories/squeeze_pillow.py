@@ -13,6 +13,10 @@ if TYPE_CHECKING:
     from halfphysics.body.body import Body
 
 
+#: A pillow of 36 by 50 cm [m]: along the walk, between the palms, upright.
+SIZE = (0.36, 0.20, 0.50)
+
+
 def build(
     *,
     fps: float = 30.0,
@@ -34,5 +38,5 @@ def build(
     """
     squeeze = number(squeeze, "squeeze", least=0.0, most=0.1, unit="m")
     carry = number(carry, "carry", least=1.0, most=60.0, unit="s")
-    thing = Carried("pillow", mass, 0.8, soft)
+    thing = Carried("pillow", mass, 0.8, soft, SIZE)
     return carried(thing, fps, squeeze, (carry, 0.0), stage.actor(body))

@@ -1,5 +1,6 @@
 #include "soft/foam_cells.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "math/elementary.h"
@@ -24,6 +25,12 @@ FoamCells::Key FoamCells::key(int layer, Vec3 at) {
   return out;
 }
 
+size_t FoamCells::Hash::operator()(const Key& k) const {
+  uint64_t sum = 0;
+  for (const int i : k) sum = (sum ^ (uint32_t)i) * 0x9e3779b97f4a7c15u, sum ^= sum >> 29;
+  return (size_t)sum;
+}
+
 double FoamCells::gone(int layer, Vec3 at, const SoftLaw& law) const {
   const auto found = cells_.find(key(layer, at));
   if (found == cells_.end()) return 0;
@@ -43,19 +50,24 @@ void FoamCells::press(int layer, Vec3 at, double q, double area) {
 void FoamCells::end_step(double h) {
   time_ += h;
   for (const Key& k : pressed_) {
-    Cell& cell = cells_[k];
+    const auto found = cells_.find(k);
+    Cell& cell = found->second;
     cell.gone = cell.sum / cell.area;
     cell.time = time_;
     cell.sum = cell.area = 0;
-    if (std::fabs(cell.gone) < tune::kForgotten) cells_.erase(k);
+    if (std::fabs(cell.gone) < tune::kForgotten) cells_.erase(found);
   }
   pressed_.clear();
 }
 
 void FoamCells::save(std::vector<double>& out) const {
   out.insert(out.end(), {time_, (double)cells_.size()});
-  for (const auto& [k, cell] : cells_) {
+  std::vector<Key> keys;
+  for (const auto& entry : cells_) keys.push_back(entry.first);
+  std::sort(keys.begin(), keys.end());
+  for (const Key& k : keys) {
     for (const int i : k) out.push_back(i);
+    const Cell& cell = cells_.at(k);
     out.insert(out.end(), {cell.gone, cell.time});
   }
 }

@@ -5,7 +5,8 @@
 // q(t) = q exp(-t/(tau (1 + r))), found when it is asked for.
 #pragma once
 #include <array>
-#include <map>
+#include <cstdint>
+#include <unordered_map>
 #include <vector>
 
 #include "math/vec.h"
@@ -30,13 +31,16 @@ class FoamCells {
 
  private:
   using Key = std::array<int, 4>;  // layer (pressing.h, FoamPlace), cell
+  struct Hash {
+    size_t operator()(const Key& k) const;
+  };
   struct Cell {
     double gone = 0, time = 0;  // q, at this time
     double sum = 0, area = 0;   // of the step
   };
   static Key key(int layer, Vec3 at);
 
-  std::map<Key, Cell> cells_;
+  std::unordered_map<Key, Cell, Hash> cells_;  // nothing depends on their order
   std::vector<Key> pressed_;
   double time_ = 0;
 };

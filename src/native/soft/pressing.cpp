@@ -11,18 +11,18 @@ namespace tune = tuning::soft;
 
 SamplePoses::SamplePoses(const CollisionWorld& world, const SoftWorld& soft, Poses& pose, int shape)
     : samples_(soft.samples_of(shape)), shape_(world.shapes[shape]), pose_(pose) {
-  if (shape_.skin) posed_ = &world.place(pose, shape);
+  if (shape_.skin) points_ = world.place(pose, shape).points();
 }
 
 Vec3 SamplePoses::position(int sample) const {
-  if (posed_) return posed_->points().at(samples_.vertex[sample]);
+  if (shape_.skin) return points_.at(samples_.vertex[sample]);
   const int b = shape_.body;
   return pose_.kin.xpos[b] + pose_.kin.xmat[b] * samples_.points[sample];
 }
 
 Vec3 SamplePoses::normal(int sample) const {
   const Vec3& rest = samples_.normals[sample];
-  if (!posed_) return pose_.kin.xmat[shape_.body] * rest;
+  if (!shape_.skin) return pose_.kin.xmat[shape_.body] * rest;
   const Skin& skin = *shape_.skin;
   const int v = shape_.vertex[samples_.vertex[sample]];
   Vec3 n;
@@ -45,24 +45,23 @@ double spread(double area, double cosine) {
   return std::max(tune::kLeastEdge, 0.5 * std::sqrt(area * std::max(0.0, 1 - cosine * cosine)));
 }
 
-enum class Seen : char { Far, Away, Near };
+// Where a sample's hard point is, and how far from the frame. False: farther than `within`.
+bool measure(const SamplePoses& poses, const FrameDistance& frame, double within, NearSample& s) {
+  s.hard = poses.position(s.sample);
+  s.measured = frame.nearest(s.hard, within, s.frame.triangle, s.frame);
+  return s.measured;
+}
 
-// Measures one sample at a pose; Far: it is farther than `within` from the frame.
-Seen look(const SamplePoses& poses, const FrameDistance& frame, const SurfaceSamples& samples,
-          double within, NearSample& s) {
-  const Vec3 x = poses.position(s.sample);
-  FramePoint p;
-  if (!frame.nearest(x, within, s.triangle, p)) return Seen::Far;
-  if (poses.turns() || norm2(s.normal) == 0) s.normal = poses.normal(s.sample);
-  const double facing = -dot(s.normal, p.n), cosine = std::clamp(facing, 0.0, 1.0);
-  const double area = samples.areas[s.sample];
+// Depth and area of a sample that was measured, by its normal. False: it cannot come to press in this step.
+bool face(double area, NearSample& s) {
+  const double facing = -dot(s.normal, s.frame.n), cosine = std::clamp(facing, 0.0, 1.0);
   // What presses is the point of the unloaded surface above the hard point.
-  s.x = s.y = x + s.own * s.normal, s.n = p.n, s.at = p.at, s.triangle = p.triangle;
-  s.thickness = p.thickness + s.own * cosine;
-  s.depth = s.thickness - p.distance;
+  s.x = s.y = s.hard + s.own * s.normal, s.n = s.frame.n;
+  s.thickness = s.frame.thickness + s.own * cosine;
+  s.depth = s.thickness - s.frame.distance;
   s.edge = spread(area, cosine);
   s.area = area * cosine;
-  return facing < tune::kFacesAway ? Seen::Away : Seen::Near;
+  return facing >= tune::kFacesAway;
 }
 
 }  // namespace
@@ -73,19 +72,11 @@ FoamPlace foam_place(const CollisionWorld& world, const Poses& pose, const SoftP
   return {-pair.other_shape - 1, pose.kin.xpos[b], pose.kin.xmat[b]};
 }
 
-namespace {
-
-// Need a sample not be measured again: is it out of reach, or facing away, by what was seen of it?
-bool stays_out(const SeenSample& seen, double reach, double travelled) {
-  const double since = travelled - seen.at;
-  return seen.depth + since + reach < 0 || (seen.away && since < tune::kTurningWay);
-}
-
-}  // namespace
-
 void find_near(const CollisionWorld& world, const SoftWorld& soft, const FoamCells& cells,
                Poses& start, double reach, double travelled, SoftPair& pair) {
-  pair.stamp = start.stamp, pair.reach = reach;
+  const bool kept = pair.measured == start.stamp;
+  pair.stamp = pair.measured = start.stamp, pair.reach = reach;
+  std::swap(pair.near, pair.last);
   pair.near.clear();
   const SurfaceSamples& samples = soft.samples_of(pair.shape);
   pair.seen.resize(samples.size());
@@ -93,22 +84,36 @@ void find_near(const CollisionWorld& world, const SoftWorld& soft, const FoamCel
   const SamplePoses poses(world, soft, start, pair.shape);
   const SoftLayer& own = soft.layer_of_shape(pair.shape);
   const FoamPlace place = foam_place(world, start, pair);
-  const double room = reach + samples.pitch + tune::kSeenMargin;
+  const double asked = reach + samples.pitch, room = asked + tune::kSeenMargin;
+  auto last = pair.last.begin();
+  NearSample s;
   for (int i = 0; i < samples.size(); i++) {
     SeenSample& seen = pair.seen[i];
-    if (stays_out(seen, reach + samples.pitch, travelled)) continue;
-    const SoftLayer& layer = samples.layers.empty() ? own : samples.layers[i];
-    NearSample s;
-    s.sample = i, s.own = layer.thickness, s.triangle = seen.triangle;
-    const Seen found = look(poses, frame, samples, pair.thickness + room, s);
-    // Turned toward the layer, it has all of its own thickness.
-    seen = {found == Seen::Far ? -room : s.depth + s.own, travelled, found == Seen::Away,
-            s.triangle};
-    if (found != Seen::Near || s.depth + reach + samples.pitch < 0) continue;
-    s.law = in_series(frame.layer().law, layer.law);
-    if (s.law.stiffness <= 0) continue;  // both are hard here
+    while (last != pair.last.end() && last->sample < i) ++last;
+    const bool known = last != pair.last.end() && last->sample == i;
+    if (known && kept && last->measured) {
+      s = *last;
+    } else {
+      if (seen.room - (travelled - seen.at) > asked) continue;
+      if (known) {
+        s = *last;
+      } else {
+        const SoftLayer& layer = samples.layers.empty() ? own : samples.layers[i];
+        s = {};
+        s.sample = i, s.own = layer.thickness, s.frame.triangle = seen.triangle;
+        s.law = in_series(frame.layer().law, layer.law);
+      }
+      if (!measure(poses, frame, pair.thickness + room, s)) {
+        seen.room = room, seen.at = travelled;
+        continue;
+      }
+    }
+    seen = {s.frame.distance - pair.thickness, travelled, s.frame.triangle};
+    if (seen.room > asked || s.law.stiffness <= 0) continue;  // stiffness 0: both are hard here
+    s.normal = poses.normal(i);
+    if (!face(samples.areas[i], s) || s.depth + asked < 0) continue;
     s.before = s.depth, s.first = s.x;
-    if (s.law.arm > 0) s.gone = cells.gone(place.layer, place.local(s.at), s.law);
+    s.gone = s.law.arm > 0 ? cells.gone(place.layer, place.local(s.frame.at), s.law) : 0;
     pair.near.push_back(s);
   }
 }
@@ -117,21 +122,32 @@ void act_between(Vec3 from, Vec3 to, SoftPair& pair) {
   for (NearSample& s : pair.near) s.y = 0.5 * (s.x + s.first + (to - from));
 }
 
+void guess_depths(double h, Vec3 v, Vec3 w, SoftPair& pair) {
+  for (NearSample& s : pair.near) {
+    s.depth = s.before - h * dot(s.n, v + cross(w, s.first));
+    s.y = s.first;
+  }
+}
+
 bool find_depths(const CollisionWorld& world, const SoftWorld& soft, Poses& end, double way,
                  SoftPair& pair) {
   const SurfaceSamples& samples = soft.samples_of(pair.shape);
   const auto reaches = [&](const NearSample& s) { return s.before + way + samples.pitch > 0; };
-  for (NearSample& s : pair.near) s.area = 0;
+  pair.measured = 0;
+  for (NearSample& s : pair.near) s.area = 0, s.measured = false;
   if (std::none_of(pair.near.begin(), pair.near.end(), reaches)) return false;
   const FrameDistance frame = frame_of(world, soft, end, pair);
   const SamplePoses poses(world, soft, end, pair.shape);
+  pair.measured = end.stamp;
   bool any = false;
   for (NearSample& s : pair.near) {
     if (!reaches(s)) continue;
-    if (look(poses, frame, samples, pair.thickness + samples.pitch, s) != Seen::Near) {
-      s.depth = -1e300, s.area = 0;
+    if (!measure(poses, frame, pair.thickness + samples.pitch, s)) {
+      s.depth = -1e300;
       continue;
     }
+    if (poses.turns()) s.normal = poses.normal(s.sample);
+    if (!face(samples.areas[s.sample], s)) s.depth = -1e300, s.area = 0;
     any |= s.depth > -s.edge && s.area > 0;
   }
   return any;
@@ -198,7 +214,7 @@ void remember(const CollisionWorld& world, const Poses& end, double h, const Sof
   for (const NearSample& s : pair.near) {
     if (!(s.pressure > 0) || s.law.arm <= 0 || s.pressed <= 0) continue;
     const double went = h / s.law.relaxation * s.arm / (s.law.arm * s.law.stiffness * s.pressed);
-    cells.press(place.layer, place.local(s.at), s.gone + went, s.pressed * s.area);
+    cells.press(place.layer, place.local(s.frame.at), s.gone + went, s.pressed * s.area);
   }
 }
 

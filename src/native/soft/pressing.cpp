@@ -23,11 +23,9 @@ Vec3 SamplePoses::position(int sample) const {
 Vec3 SamplePoses::normal(int sample) const {
   const Vec3& rest = samples_.normals[sample];
   if (!shape_.skin) return pose_.kin.xmat[shape_.body] * rest;
-  const Skin& skin = *shape_.skin;
-  const int v = shape_.vertex[samples_.vertex[sample]];
   Vec3 n;
-  for (int e = skin.first_weight[v]; e < skin.first_weight[v + 1]; e++)
-    n += skin.weight[e] * (pose_.kin.xmat[skin.body[skin.weight_joint[e]]] * rest);
+  for (int e = samples_.first_carrier[sample]; e < samples_.first_carrier[sample + 1]; e++)
+    n += samples_.carriers[e].weight * (pose_.kin.xmat[samples_.carriers[e].body] * rest);
   const double length = norm(n);
   return length > tune::kNoDistance ? (1 / length) * n : pose_.kin.xmat[shape_.body] * rest;
 }
@@ -52,16 +50,15 @@ bool measure(const SamplePoses& poses, const FrameDistance& frame, double within
   return s.measured;
 }
 
-// Depth and area of a sample that was measured, by its normal. False: it cannot come to press in this step.
-bool face(double area, NearSample& s) {
-  const double facing = -dot(s.normal, s.frame.n), cosine = std::clamp(facing, 0.0, 1.0);
+// Depth and area of a sample that was measured, by its normal.
+void face(double area, NearSample& s) {
+  const double cosine = std::clamp(-dot(s.normal, s.frame.n), 0.0, 1.0);
   // What presses is the point of the unloaded surface above the hard point.
   s.x = s.y = s.hard + s.own * s.normal, s.n = s.frame.n;
   s.thickness = s.frame.thickness + s.own * cosine;
   s.depth = s.thickness - s.frame.distance;
   s.edge = spread(area, cosine);
   s.area = area * cosine;
-  return facing >= tune::kFacesAway;
 }
 
 }  // namespace
@@ -72,49 +69,91 @@ FoamPlace foam_place(const CollisionWorld& world, const Poses& pose, const SoftP
   return {-pair.other_shape - 1, pose.kin.xpos[b], pose.kin.xmat[b]};
 }
 
-void find_near(const CollisionWorld& world, const SoftWorld& soft, const FoamCells& cells,
-               Poses& start, double reach, double travelled, SoftPair& pair) {
-  const bool kept = pair.measured == start.stamp;
-  pair.stamp = pair.measured = start.stamp, pair.reach = reach;
-  std::swap(pair.near, pair.last);
-  pair.near.clear();
-  const SurfaceSamples& samples = soft.samples_of(pair.shape);
-  pair.seen.resize(samples.size());
-  const FrameDistance frame = frame_of(world, soft, start, pair);
-  const SamplePoses poses(world, soft, start, pair.shape);
-  const SoftLayer& own = soft.layer_of_shape(pair.shape);
-  const FoamPlace place = foam_place(world, start, pair);
-  const double asked = reach + samples.pitch, room = asked + tune::kSeenMargin;
-  auto last = pair.last.begin();
-  NearSample s;
-  for (int i = 0; i < samples.size(); i++) {
-    SeenSample& seen = pair.seen[i];
-    while (last != pair.last.end() && last->sample < i) ++last;
-    const bool known = last != pair.last.end() && last->sample == i;
-    if (known && kept && last->measured) {
-      s = *last;
-    } else {
-      if (seen.room - (travelled - seen.at) > asked) continue;
-      if (known) {
-        s = *last;
-      } else {
-        const SoftLayer& layer = samples.layers.empty() ? own : samples.layers[i];
-        s = {};
-        s.sample = i, s.own = layer.thickness, s.frame.triangle = seen.triangle;
-        s.law = in_series(frame.layer().law, layer.law);
-      }
-      if (!measure(poses, frame, pair.thickness + room, s)) {
-        seen.room = room, seen.at = travelled;
+namespace {
+
+// The samples of a pair at the start of a step.
+struct NearSearch {
+  const SurfaceSamples& samples;
+  const SoftLayer& own;
+  FrameDistance frame;
+  SamplePoses poses;
+  double asked, room, travelled;  // asked for, measured as far as [m]
+  SoftPair& pair;
+
+  // Measures; what is out of reach is noted, and false.
+  bool reaches(NearSample& s) {
+    const double thick = pair.thickness;
+    const bool found = measure(poses, frame, thick + room, s);
+    return note(s, found ? s.frame.distance - thick : room);
+  }
+  bool note(const NearSample& s, double off) {
+    if (off <= asked) return true;
+    pair.seen[s.sample] = {off, travelled, s.frame.triangle};
+    pair.quiet = std::min(pair.quiet, off + travelled);
+    return false;
+  }
+
+  // Those that were near, in place.
+  void look_again(bool kept) {
+    const auto leaves = [&](NearSample& s) {
+      const bool known = kept && s.measured;
+      return known ? !note(s, s.frame.distance - pair.thickness) : !reaches(s);
+    };
+    pair.near.erase(std::remove_if(pair.near.begin(), pair.near.end(), leaves), pair.near.end());
+  }
+
+  // The others.
+  void find_more() {
+    const size_t known = pair.near.size();
+    size_t next = 0;
+    pair.quiet = 1e300;
+    pair.seen.resize(samples.size());
+    for (int i = 0; i < samples.size(); i++) {
+      if (next < known && pair.near[next].sample == i) {
+        next++;
         continue;
       }
+      const SeenSample& seen = pair.seen[i];
+      if (seen.room - (travelled - seen.at) > asked) {
+        pair.quiet = std::min(pair.quiet, seen.room + seen.at);
+        continue;
+      }
+      NearSample s;
+      const SoftLayer& layer = samples.layers.empty() ? own : samples.layers[i];
+      s.law = in_series(frame.layer().law, layer.law);
+      if (s.law.stiffness <= 0) continue;  // both are hard here
+      s.sample = i, s.own = layer.thickness, s.frame.triangle = seen.triangle;
+      if (reaches(s)) pair.near.push_back(s);
     }
-    seen = {s.frame.distance - pair.thickness, travelled, s.frame.triangle};
-    if (seen.room > asked || s.law.stiffness <= 0) continue;  // stiffness 0: both are hard here
-    s.normal = poses.normal(i);
-    if (!face(samples.areas[i], s) || s.depth + asked < 0) continue;
+    std::inplace_merge(
+        pair.near.begin(), pair.near.begin() + (long)known, pair.near.end(),
+        [](const NearSample& a, const NearSample& b) { return a.sample < b.sample; });
+  }
+};
+
+}  // namespace
+
+void find_near(const CollisionWorld& world, const SoftWorld& soft, const FoamCells& cells,
+               Poses& start, double reach, double travelled, SoftPair& pair) {
+  const SurfaceSamples& samples = soft.samples_of(pair.shape);
+  const double asked = reach + samples.pitch;
+  NearSearch search{samples,
+                    soft.layer_of_shape(pair.shape),
+                    frame_of(world, soft, start, pair),
+                    SamplePoses(world, soft, start, pair.shape),
+                    asked,
+                    asked + tune::kSeenMargin,
+                    travelled,
+                    pair};
+  search.look_again(pair.measured == start.stamp);
+  if (travelled + asked >= pair.quiet) search.find_more();
+  pair.stamp = pair.measured = start.stamp, pair.reach = reach;
+  const FoamPlace place = foam_place(world, start, pair);
+  for (NearSample& s : pair.near) {
+    s.normal = search.poses.normal(s.sample);
+    face(samples.areas[s.sample], s);
     s.before = s.depth, s.first = s.x;
-    s.gone = s.law.arm > 0 ? cells.gone(place.layer, place.local(s.frame.at), s.law) : 0;
-    pair.near.push_back(s);
+    if (s.law.arm > 0) s.gone = cells.gone(place.layer, place.local(s.frame.at), s.law, s.cell);
   }
 }
 
@@ -147,7 +186,7 @@ bool find_depths(const CollisionWorld& world, const SoftWorld& soft, Poses& end,
       continue;
     }
     if (poses.turns()) s.normal = poses.normal(s.sample);
-    if (!face(samples.areas[s.sample], s)) s.depth = -1e300, s.area = 0;
+    face(samples.areas[s.sample], s);
     any |= s.depth > -s.edge && s.area > 0;
   }
   return any;
@@ -160,11 +199,13 @@ struct Spread {
   const SoftLaw& law;
   double t, e;
 
-  double pressure(double d) const {
-    return (law.energy(d + e, t) - law.energy(d - e, t)) / (2 * e);
-  }
-  double slope(double d) const {
-    return (law.pressure(d + e, t) - law.pressure(d - e, t)) / (2 * e);
+  struct Mean {
+    double pressure, slope;
+  };
+  Mean mean(double d) const {
+    const Springs a = law.springs(d + e, t), b = law.springs(d - e, t);
+    const double whole = 1 / (2 * e);
+    return {(a.energy - b.energy) * whole, (a.pressure - b.pressure) * whole};
   }
   double energy(double d) const {
     return (law.energy_sum(d + e, t) - law.energy_sum(d - e, t)) / (2 * e);
@@ -176,10 +217,11 @@ struct Spread {
 void press_to_end(const Spread& at, double h, NearSample& s) {
   const SoftLaw& law = s.law;
   const double share = s.pressed = at.share(s.depth);
-  const double arm = law.arm * law.stiffness / (1 + h / law.relaxation);
+  const double arm = law.arm > 0 ? law.arm * law.stiffness / (1 + h / law.relaxation) : 0;
+  const Spread::Mean springs = at.mean(s.depth);
   s.arm = share * arm * (s.depth - s.gone);
-  s.pressure = at.pressure(s.depth) + share * law.damping * (s.depth - s.before) / h + s.arm;
-  s.slope = at.slope(s.depth) + share * (law.damping / h + arm);
+  s.pressure = springs.pressure + share * law.damping * (s.depth - s.before) / h + s.arm;
+  s.slope = springs.slope + share * (law.damping / h + arm);
 }
 
 void press_by_mean(const Spread& at, double h, NearSample& s) {
@@ -189,10 +231,11 @@ void press_by_mean(const Spread& at, double h, NearSample& s) {
   const double arm = law.arm * law.stiffness / (1 + 0.5 * h / law.relaxation);
   if (std::fabs(way) > tune::kNoIndent) {
     s.pressure = (at.energy(s.depth) - at.energy(s.before)) / way;
-    s.slope = (at.pressure(s.depth) - s.pressure) / way;
+    s.slope = (at.mean(s.depth).pressure - s.pressure) / way;
   } else {
-    s.pressure = at.pressure(middle);
-    s.slope = 0.5 * at.slope(middle);
+    const Spread::Mean springs = at.mean(middle);
+    s.pressure = springs.pressure;
+    s.slope = 0.5 * springs.slope;
   }
   s.arm = share * arm * (middle - s.gone);
   s.pressure += share * law.damping * way / h + s.arm;
@@ -214,14 +257,14 @@ void remember(const CollisionWorld& world, const Poses& end, double h, const Sof
   for (const NearSample& s : pair.near) {
     if (!(s.pressure > 0) || s.law.arm <= 0 || s.pressed <= 0) continue;
     const double went = h / s.law.relaxation * s.arm / (s.law.arm * s.law.stiffness * s.pressed);
-    cells.press(place.layer, place.local(s.frame.at), s.gone + went, s.pressed * s.area);
+    cells.press(place.layer, place.local(s.frame.at), s.gone + went, s.pressed * s.area, s.cell);
   }
 }
 
 void find_pressures(Rule rule, double h, SoftPair& pair) {
   for (NearSample& s : pair.near) {
     s.pressure = s.slope = s.arm = s.pressed = 0;
-    if (s.area <= 0) continue;
+    if (s.area <= 0 || std::max(s.depth, s.before) <= -s.edge) continue;
     const Spread at{s.law, s.thickness, s.edge};
     if (rule == Rule::End)
       press_to_end(at, h, s);

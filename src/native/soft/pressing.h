@@ -35,6 +35,7 @@ struct NearSample {
   double before = -1e300;  // depth at the start of the step [m]
   Vec3 first;              // x at the start of the step
   double gone = 0;         // q of the Maxwell arm at the start of the step [m]
+  int cell = -1;           // where that was found (foam_cells.h)
   // Of its hard point, at the pose that it was measured at last:
   bool measured = false;  // it was within reach there
   Vec3 hard, n;           // where it is; from the layer outward, unit
@@ -53,11 +54,11 @@ struct NearSample {
 
 // What is known of a sample from when it was last measured.
 //
-// It saves measuring and changes nothing: a sample is passed over only where its distance g from the frame
-// is over t + reach, t the most that both layers are thick, reach what it may go in the step. Distances
+// It saves measuring and changes nothing: samples are near whose distance g from the frame is at most
+// t + reach, t the most that both layers are thick, reach what it may go in the step. Distances
 // from a set change by no more than the point moves relative to it, so that after the two have travelled s
-// more g is at least what it was less s; depths are at most t - g. Measured, the sample would be found that
-// far too, and be passed over. So a simulation without this knowledge, restored from its state, goes on
+// more g is at least what it was less s. A sample that is passed over for that would, measured, be found as far
+// and be passed over too. So a simulation without this knowledge, restored from its state, goes on
 // with the same bits.
 struct SeenSample {
   double room = -1e300;  // distance from the frame less t, at least [m]
@@ -74,13 +75,15 @@ struct SoftPair {
   double room = -1, room_at = 0;
   uint64_t stamp = 0;  // of the pose at the start that `near` was found for, as far as `reach`
   double reach = 0;
-  uint64_t measured = 0;               // stamp of the pose that samples were measured at last
-  std::vector<NearSample> near, last;  // of this step; of the one before
-  std::vector<SeenSample> seen;        // per sample; empty: nothing
+  uint64_t measured = 0;         // stamp of the pose that samples were measured at last
+  std::vector<NearSample> near;  // in the order of samples
+  std::vector<SeenSample> seen;  // per sample, of those that are not near; empty: nothing
+  // None of those comes within `reach` before the two have travelled so far, less reach.
+  double quiet = -1e300;
 
   void forget() {
-    room = -1, stamp = measured = 0;
-    near.clear(), last.clear(), seen.clear();
+    room = -1, stamp = measured = 0, quiet = -1e300;
+    near.clear(), seen.clear();
   }
 };
 

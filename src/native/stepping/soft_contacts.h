@@ -76,6 +76,7 @@ class SoftContacts {
   bool stiff(const System& system, Data& data, SoftPair& pair, double h) const;
   int island(const Data& data, const Group& group) const;
   void group_active();
+  GroupRows& rows_of(const Group& group) { return rows_of_[&group - groups_.data()]; }
   void list_pressed(Rule rule, double h, const Group& group);
   bool guess(const System& system, Data& data, double h, Group& group);
   bool measure(const System& system, Data& data, double h, const Group& group);
@@ -96,7 +97,7 @@ class SoftContacts {
   std::vector<Entry> active_;  // group after group
   std::vector<Group> groups_;
   std::vector<Contact> rows_;
-  GroupRows group_;  // the one that is looked at
+  std::vector<GroupRows> rows_of_;  // per group: what was looked at last
   RowMaker maker_;
   std::vector<Twist> twists_;  // that the velocities of the step before make
 };

@@ -38,27 +38,38 @@ Endpoint RowMaker::mean_point(const System& system, Poses& start, const GroupRow
   joints_.clear();
   double all = 0;
   Vec3 middle;
+  int member = -1, n = 0;
+  const SurfaceSamples* samples = nullptr;
+  const double* rest = nullptr;
   for (const PressedSample& p : group.pressed) {
     if (p.patch != patch) continue;
-    const int i = group.members[p.member]->shape;
-    const CollisionShape& shape = world.shapes[i];
-    const PosedShape& posed = world.place(start, i);
-    const int n = (int)shape.vertex.size();
-    const int at = system.soft.samples_of(i).vertex[p.sample->sample];
-    const double* rest = posed.rest.empty() ? shape.hull.xyz.data() : posed.rest.data();
+    if (p.member != member) {
+      member = p.member;
+      const int i = group.members[member]->shape;
+      const CollisionShape& shape = world.shapes[i];
+      const PosedShape& posed = world.place(start, i);
+      samples = &system.soft.samples_of(i);
+      n = (int)shape.vertex.size();
+      rest = posed.rest.empty() ? shape.hull.xyz.data() : posed.rest.data();
+    }
+    const int s = p.sample->sample, at = samples->vertex[s];
     const Vec3 r{rest[at], rest[n + at], rest[2 * n + at]};
     const double load = p.sample->area * p.sample->pressure;
-    all += load, middle += load * posed.points().at(at);
-    const int v = shape.vertex[at];
-    for (int e = skin.first_weight[v]; e < skin.first_weight[v + 1]; e++) {
-      if (skin.weight[e] == 0) continue;
-      Carried& its = carried_[skin.weight_joint[e]];
-      if (its.weight == 0) joints_.push_back(skin.weight_joint[e]);
-      const double weight = load * skin.weight[e];
+    all += load;
+    for (int e = samples->first_carrier[s]; e < samples->first_carrier[s + 1]; e++) {
+      const SurfaceSamples::Carrier& by = samples->carriers[e];
+      Carried& its = carried_[by.joint];
+      if (its.weight == 0) joints_.push_back(by.joint);
+      const double weight = load * by.weight;
       its.weight += weight, its.rest += weight * r;
     }
   }
-  middle = (1 / all) * middle;
+  for (const int j : joints_) {
+    Carried& its = carried_[j];
+    const int b = skin.body[j];
+    its.at = start.kin.xpos[b] + start.kin.xmat[b] * ((1 / its.weight) * its.rest - skin.joint[j]);
+    middle += (its.weight / all) * its.at;
+  }
   const auto heavier = [&](int a, int b) { return carried_[a].weight > carried_[b].weight; };
   std::stable_sort(joints_.begin(), joints_.end(), heavier);
   Endpoint out;
@@ -66,11 +77,9 @@ Endpoint RowMaker::mean_point(const System& system, Poses& start, const GroupRow
   double kept = 0;
   for (int k = 0; k < out.count; k++) kept += carried_[joints_[k]].weight;
   for (int k = 0; k < out.count; k++) {
-    const int j = joints_[k], b = skin.body[j];
-    const Carried& its = carried_[j];
-    out.body[k] = b, out.weight[k] = its.weight / kept;
-    out.point[k] = start.kin.xpos[b] +
-                   start.kin.xmat[b] * ((1 / its.weight) * its.rest - skin.joint[j]) + (x - middle);
+    const Carried& its = carried_[joints_[k]];
+    out.body[k] = skin.body[joints_[k]], out.weight[k] = its.weight / kept;
+    out.point[k] = its.at + (x - middle);
   }
   for (const int j : joints_) carried_[j] = {};
   return out;

@@ -45,6 +45,7 @@ class RowMaker {
   struct Carried {
     double weight = 0;
     Vec3 rest;
+    Vec3 at;  // where their mean is [m]
   };
   Contact row(const System& system, Poses& start, Rule rule, const GroupRows& group,
               const PatchPoint& point);

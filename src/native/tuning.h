@@ -1027,9 +1027,8 @@ constexpr double kPointSpread = 5e-4;
 constexpr double kFirmTurn = 2e-3;
 // Samples that face away from a layer by more than this cosine cannot come to press it in a step.
 constexpr double kFacesAway = -0.5;
-// Samples are measured this much farther than is asked [m], and those that face away again after the shape
-// has gone so far [m]: nothing turns about by less.
-constexpr double kSeenMargin = 0.03, kTurningWay = 0.005;
+// Samples are measured this much farther than is asked [m], so that they need not be soon again.
+constexpr double kSeenMargin = 0.03;
 // Edge of a cell that foam remembers in [m], and the memory that is none [m]. Smaller cells: a dent of finer
 // shape, and what slides finds fresh foam more often.
 // The grid is shifted by a share of a cell, so that no surface at a round number lies on a border.

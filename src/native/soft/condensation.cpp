@@ -21,29 +21,29 @@ double yield_of(const NearSample& s, Rule rule, double h) {
 }
 
 // Which patch each sample belongs to: seeds are the samples with the largest impulses that no seed before
-// them faces like.
-int find_patches(const SoftPair& pair, std::vector<int>& patch) {
-  const std::vector<NearSample>& near = pair.near;
-  patch.assign(near.size(), -1);
-  Vec3 seed[tune::kMostPatches];
+// them faces like. Returns how many there are.
+int find_patches(std::vector<PressedSample>& all, int seeds[tune::kMostPatches]) {
   int n = 0;
+  for (PressedSample& p : all) p.patch = -1;
   for (; n < tune::kMostPatches; n++) {
     int best = -1;
-    for (size_t i = 0; i < near.size(); i++)
-      if (near[i].pressure > 0 && patch[i] < 0 &&
-          (best < 0 || near[i].area * near[i].pressure > near[best].area * near[best].pressure))
-        best = (int)i;
+    for (size_t i = 0; i < all.size(); i++)
+      if (all[i].patch < 0 && (best < 0 || all[i].impulse > all[best].impulse)) best = (int)i;
     if (best < 0) return n;
-    seed[n] = near[best].n;
-    for (size_t i = 0; i < near.size(); i++)
-      if (near[i].pressure > 0 && patch[i] < 0 && dot(near[i].n, seed[n]) > tune::kSamePatch)
-        patch[i] = n;
+    seeds[n] = best;
+    const Vec3 seed = all[best].sample->n;
+    for (PressedSample& p : all)
+      if (p.patch < 0 && dot(p.sample->n, seed) > tune::kSamePatch) p.patch = n;
   }
-  for (size_t i = 0; i < near.size(); i++) {
-    if (near[i].pressure <= 0 || patch[i] >= 0) continue;
-    patch[i] = 0;
+  const auto likeness = [&](const PressedSample& p, int k) {
+    return dot(p.sample->n, all[seeds[k]].sample->n);
+  };
+  for (PressedSample& p : all) {
+    if (p.patch >= 0) continue;
+    int like = 0;
     for (int k = 1; k < n; k++)
-      if (dot(near[i].n, seed[k]) > dot(near[i].n, seed[patch[i]])) patch[i] = k;
+      if (likeness(p, k) > likeness(p, like)) like = k;
+    p.patch = like;
   }
   return n;
 }
@@ -58,15 +58,14 @@ struct Patch {
 };
 
 // Principal axes and standard deviations in the plane across p.n.
-void find_axes(const SoftPair& pair, const std::vector<int>& patch, int index, Rule rule, double h,
-               Patch& p) {
+void find_axes(const std::vector<PressedSample>& all, int index, Patch& p) {
   Vec3 t, b;
   tangents(p.n, t, b);
   double tt = 0, tb = 0, bb = 0;
-  for (size_t i = 0; i < pair.near.size(); i++) {
-    if (patch[i] != index) continue;
-    const double share = yield_of(pair.near[i], rule, h) / p.yield;
-    const Vec3 r = pair.near[i].y - p.centre;
+  for (const PressedSample& s : all) {
+    if (s.patch != index) continue;
+    const double share = s.yield / p.yield;
+    const Vec3 r = s.sample->y - p.centre;
     const double u = dot(r, t), v = dot(r, b);
     tt += share * u * u, tb += share * u * v, bb += share * v * v;
   }
@@ -86,31 +85,30 @@ void find_axes(const SoftPair& pair, const std::vector<int>& patch, int index, R
   p.spread[1] = std::sqrt(std::max(0.0, mean - root));
 }
 
-bool find_patch(const SoftPair& pair, const std::vector<int>& patch, int index, Rule rule, double h,
-                Patch& p) {
+bool find_patch(const std::vector<PressedSample>& all, int index, Patch& p) {
   Vec3 force;
-  for (size_t i = 0; i < pair.near.size(); i++)
-    if (patch[i] == index) force += impulse_of(pair.near[i], rule, h) * pair.near[i].n;
+  for (const PressedSample& s : all)
+    if (s.patch == index) force += s.impulse * s.sample->n;
   const double length = norm(force);
   if (!(length > 0)) return false;
   p.n = (1 / length) * force;
   p.impulse = length;
   double along = 0;
-  for (size_t i = 0; i < pair.near.size(); i++) {
-    if (patch[i] != index) continue;
-    const NearSample& s = pair.near[i];
-    const double q = impulse_of(s, rule, h) * dot(s.n, p.n), yield = yield_of(s, rule, h);
-    along += q, p.yield += yield;
-    p.loaded += q * s.y, p.centre += yield * s.y;
+  for (const PressedSample& s : all) {
+    if (s.patch != index) continue;
+    const double q = s.impulse * dot(s.sample->n, p.n);
+    along += q, p.yield += s.yield;
+    p.loaded += q * s.sample->y, p.centre += s.yield * s.sample->y;
   }
   if (!(along > 0) || !(p.yield > 0)) return false;
   p.loaded = (1 / along) * p.loaded;
   p.centre = (1 / p.yield) * p.centre;
-  find_axes(pair, patch, index, rule, h, p);
+  find_axes(all, index, p);
   return true;
 }
 
-void add_points(const Patch& p, int index, double least_turn, std::vector<PatchPoint>& out) {
+void add_points(const Patch& p, int index, int member, double least_turn,
+                std::vector<PatchPoint>& out) {
   const double least = std::max(tune::kPointSpread * tune::kPointSpread, least_turn / p.yield);
   int lines = 0;
   while (lines < 2 && p.spread[lines] * p.spread[lines] > least) lines++;
@@ -125,7 +123,7 @@ void add_points(const Patch& p, int index, double least_turn, std::vector<PatchP
   }
   for (int j = 0; j < count; j++) {
     PatchPoint point;
-    point.x = centre, point.n = p.n, point.patch = index;
+    point.x = centre, point.n = p.n, point.patch = index, point.member = member;
     double share = 1;
     for (int k = 0; k < lines; k++) {
       const double sign = j >> k & 1 ? -1 : 1;
@@ -140,26 +138,33 @@ void add_points(const Patch& p, int index, double least_turn, std::vector<PatchP
 
 }  // namespace
 
-PairImpulse total_impulse(const SoftPair& pair, Rule rule, double h, Vec3 about) {
+void list_pressed(const SoftPair& pair, int member, Rule rule, double h,
+                  std::vector<PressedSample>& out) {
+  for (const NearSample& s : pair.near)
+    if (s.pressure > 0)
+      out.push_back({&s, member, impulse_of(s, rule, h), yield_of(s, rule, h), -1});
+}
+
+PairImpulse total_impulse(const std::vector<PressedSample>& pressed, Vec3 about) {
   PairImpulse sum;
-  for (const NearSample& s : pair.near) {
-    if (s.pressure <= 0) continue;
-    const double q = impulse_of(s, rule, h);
-    sum.force += q * s.n;
-    sum.moment += q * cross(s.y - about, s.n);
-    sum.size += q;
-    sum.lever += q * norm(s.y - about);
+  for (const PressedSample& p : pressed) {
+    const Vec3 r = p.sample->y - about;
+    sum.force += p.impulse * p.sample->n;
+    sum.moment += p.impulse * cross(r, p.sample->n);
+    sum.size += p.impulse;
+    sum.lever += p.impulse * norm(r);
   }
   if (sum.size > 0) sum.lever /= sum.size;
   return sum;
 }
 
-void condense(const SoftPair& pair, Rule rule, double h, double least_turn,
-              std::vector<PatchPoint>& out, std::vector<int>& patch) {
-  const int n = find_patches(pair, patch);
+void condense(std::vector<PressedSample>& pressed, double least_turn,
+              std::vector<PatchPoint>& out) {
+  int seeds[tune::kMostPatches];
+  const int n = find_patches(pressed, seeds);
   for (int k = 0; k < n; k++) {
     Patch p;
-    if (find_patch(pair, patch, k, rule, h, p)) add_points(p, k, least_turn, out);
+    if (find_patch(pressed, k, p)) add_points(p, k, pressed[seeds[k]].member, least_turn, out);
   }
 }
 

@@ -1,6 +1,6 @@
-// The pressure of one pair as a few compliant contact points.
+// The pressure of one pair, or of all pairs of one body and one layer, as a few compliant contact points.
 //
-// Samples whose layers face the same way make a patch; a pair has up to kMostPatches of them. In a patch, with
+// Samples whose layers face the same way make a patch; there are up to kMostPatches of them. In a patch, with
 // q_i the impulse of sample i [N s], S_i = -dq_i/dw its change by the velocity w at which the two part
 // [kg], and x_i its place: the sums Q and S, the centres x_Q and x_S, and the second moments of the S_i
 // about x_S in the patch's plane, with principal axes e1, e2 and standard deviations s1, s2. The points are
@@ -19,26 +19,37 @@
 
 namespace hp {
 
+// A sample under pressure.
+struct PressedSample {
+  const NearSample* sample = nullptr;
+  int member = 0;      // the caller's number of its pair
+  double impulse = 0;  // q_i [N s]
+  double yield = 0;    // S_i [kg]
+  int patch = -1;
+};
+// Those of a pair, by the pressures found last; appended to `out`.
+void list_pressed(const SoftPair& pair, int member, Rule rule, double h,
+                  std::vector<PressedSample>& out);
+
 struct PatchPoint {
   Vec3 x, n;
   double impulse = 0;  // q_j [N s]
   double yield = 0;    // S_j [kg]
   int patch = 0;
+  int member = 0;  // of the sample of the patch that is pressed most
 };
 
-// What a pair's samples push with in a step, all together.
+// What samples push with in a step, all together.
 struct PairImpulse {
   Vec3 force, moment;  // impulses [N s], and about `about` [N m s]
   double size = 0;     // sum of the samples' impulses [N s]
   double lever = 0;    // their mean distance from there [m]
 };
 
-// Impulses that move the step, by the pressures found last.
-PairImpulse total_impulse(const SoftPair& pair, Rule rule, double h, Vec3 about);
+// Impulses that move the step.
+PairImpulse total_impulse(const std::vector<PressedSample>& pressed, Vec3 about);
+// The points of all patches, appended to `out`; samples get the number of theirs.
 // `least_turn` [kg m^2]: no points are made of a spread that resists turning by less, S s^2.
-// The points of all patches, appended to `out`; and the sample that each patch's samples name in
-// `patch` (per near sample, -1: not pressed).
-void condense(const SoftPair& pair, Rule rule, double h, double least_turn,
-              std::vector<PatchPoint>& out, std::vector<int>& patch);
+void condense(std::vector<PressedSample>& pressed, double least_turn, std::vector<PatchPoint>& out);
 
 }  // namespace hp

@@ -1,6 +1,8 @@
 #include "soft/foam_cells.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "math/elementary.h"
 #include "tuning.h"
@@ -10,7 +12,8 @@ namespace hp {
 namespace tune = tuning::soft;
 
 void FoamCells::clear() {
-  cells_.clear();
+  table_.clear();
+  used_ = 0;
   pressed_.clear();
   time_ = 0;
 }
@@ -18,45 +21,99 @@ void FoamCells::clear() {
 FoamCells::Key FoamCells::key(int layer, Vec3 at) {
   Key out{layer, 0, 0, 0};
   for (int i = 0; i < 3; i++) {
-    const double cell = std::floor(at[i] / tune::kFoamCell + tune::kCellShift);
-    out[i + 1] = (int)std::fmax(-1e9, std::fmin(cell, 1e9));
+    const double x = at[i] / tune::kFoamCell + tune::kCellShift;
+    const double cell = std::fmax(-1e9, std::fmin(x, 1e9));
+    const int down = (int)cell;
+    out[i + 1] = down - (cell < down);
   }
   return out;
 }
 
-double FoamCells::gone(int layer, Vec3 at, const SoftLaw& law) const {
-  const auto found = cells_.find(key(layer, at));
-  if (found == cells_.end()) return 0;
-  const double since = time_ - found->second.time;
-  if (since <= 0) return found->second.gone;
-  return found->second.gone * elementary::exp(-since / (law.relaxation * (1 + law.arm)));
+size_t FoamCells::home(const Key& k) const {
+  uint64_t sum = 0;
+  for (const int i : k) sum = (sum ^ (uint32_t)i) * 0x9e3779b97f4a7c15u, sum ^= sum >> 29;
+  return (size_t)sum & (table_.size() - 1);
 }
 
-void FoamCells::press(int layer, Vec3 at, double q, double area) {
+size_t FoamCells::find(const Key& k, int hint) const {
+  if (hint >= 0 && (size_t)hint < table_.size() && table_[hint].used && table_[hint].key == k)
+    return hint;
+  size_t at = home(k);
+  while (table_[at].used && table_[at].key != k) at = (at + 1) & (table_.size() - 1);
+  return at;
+}
+
+void FoamCells::grow() {
+  std::vector<Cell> old(std::max<size_t>(64, 2 * table_.size()));
+  std::swap(old, table_);
+  for (const Cell& c : old)
+    if (c.used) table_[find(c.key, -1)] = c;
+}
+
+FoamCells::Cell& FoamCells::cell(const Key& k, int hint) {
+  if (2 * (used_ + 1) > table_.size()) grow();
+  Cell& c = table_[find(k, hint)];
+  if (!c.used) c.used = true, c.key = k, used_++;
+  return c;
+}
+
+// Cells behind the free place that belong there or before it move up.
+void FoamCells::erase(const Key& k) {
+  const size_t mask = table_.size() - 1;
+  size_t hole = find(k, -1);
+  if (!table_[hole].used) return;
+  for (size_t at = (hole + 1) & mask; table_[at].used; at = (at + 1) & mask) {
+    const size_t way = (at - home(table_[at].key)) & mask;
+    if (way < ((at - hole) & mask)) continue;
+    table_[hole] = table_[at];
+    hole = at;
+  }
+  table_[hole] = {};
+  used_--;
+}
+
+double FoamCells::gone(int layer, Vec3 at, const SoftLaw& law, int& hint) const {
+  if (used_ == 0) return 0;
+  const size_t place = find(key(layer, at), hint);
+  hint = (int)place;
+  const Cell& c = table_[place];
+  if (!c.used) return 0;
+  const double since = time_ - c.time;
+  if (since <= 0) return c.gone;
+  return c.gone * elementary::exp(-since / (law.relaxation * (1 + law.arm)));
+}
+
+void FoamCells::press(int layer, Vec3 at, double q, double area, int hint) {
   const Key k = key(layer, at);
-  Cell& cell = cells_[k];
-  if (cell.area == 0) pressed_.push_back(k), cell.sum = 0;
-  cell.sum += area * q;
-  cell.area += area;
+  Cell& c = cell(k, hint);
+  if (c.area == 0) pressed_.push_back(k), c.sum = 0;
+  c.sum += area * q;
+  c.area += area;
 }
 
 void FoamCells::end_step(double h) {
   time_ += h;
+  size_t forgotten = 0;
   for (const Key& k : pressed_) {
-    Cell& cell = cells_[k];
-    cell.gone = cell.sum / cell.area;
-    cell.time = time_;
-    cell.sum = cell.area = 0;
-    if (std::fabs(cell.gone) < tune::kForgotten) cells_.erase(k);
+    Cell& c = table_[find(k, -1)];
+    c.gone = c.sum / c.area;
+    c.time = time_;
+    c.sum = c.area = 0;
+    if (std::fabs(c.gone) < tune::kForgotten) pressed_[forgotten++] = k;
   }
+  for (size_t i = 0; i < forgotten; i++) erase(pressed_[i]);
   pressed_.clear();
 }
 
 void FoamCells::save(std::vector<double>& out) const {
-  out.insert(out.end(), {time_, (double)cells_.size()});
-  for (const auto& [k, cell] : cells_) {
-    for (const int i : k) out.push_back(i);
-    out.insert(out.end(), {cell.gone, cell.time});
+  std::vector<const Cell*> all;
+  for (const Cell& c : table_)
+    if (c.used) all.push_back(&c);
+  std::sort(all.begin(), all.end(), [](const Cell* a, const Cell* b) { return a->key < b->key; });
+  out.insert(out.end(), {time_, (double)all.size()});
+  for (const Cell* c : all) {
+    for (const int i : c->key) out.push_back(i);
+    out.insert(out.end(), {c->gone, c->time});
   }
 }
 
@@ -64,8 +121,8 @@ const double* FoamCells::load(const double* in) {
   clear();
   time_ = *in++;
   for (int n = (int)*in++; n > 0; n--, in += 6) {
-    Cell& cell = cells_[{(int)in[0], (int)in[1], (int)in[2], (int)in[3]}];
-    cell.gone = in[4], cell.time = in[5];
+    Cell& c = cell({(int)in[0], (int)in[1], (int)in[2], (int)in[3]}, -1);
+    c.gone = in[4], c.time = in[5];
   }
   return in;
 }
@@ -73,11 +130,12 @@ const double* FoamCells::load(const double* in) {
 void FoamCells::adopt(const FoamCells& old, const std::vector<int>& now) {
   clear();
   time_ = old.time_;
-  for (const auto& [key, cell] : old.cells_) {
-    Key k = key;
-    if (k[0] < 0 && now[-k[0] - 1] < 0) continue;
+  for (const Cell& its : old.table_) {
+    Key k = its.key;
+    if (!its.used || (k[0] < 0 && now[-k[0] - 1] < 0)) continue;
     if (k[0] < 0) k[0] = -now[-k[0] - 1] - 1;
-    cells_[k] = cell;
+    Cell& c = cell(k, -1);
+    c = its, c.key = k;
   }
 }
 

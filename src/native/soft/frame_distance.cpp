@@ -19,6 +19,7 @@ FrameDistance FrameDistance::of_static(const CollisionWorld& world, const SoftWo
     f.hull_ = &s.posed, f.box_ = &soft.static_boxes[i];
   else
     f.tree_ = soft.trees[i].get();
+  f.place_box();
   return f;
 }
 
@@ -28,6 +29,7 @@ FrameDistance FrameDistance::of_shape(const CollisionWorld& world, const SoftWor
   f.layer_ = &soft.layer_of_shape(i);
   f.hull_ = &world.place(pose, i);
   f.box_ = &soft.shape_boxes[i];
+  f.place_box();
   return f;
 }
 
@@ -58,19 +60,25 @@ bool FrameDistance::nearest_on_hull(Vec3 x, double within, FramePoint& out) cons
   return true;
 }
 
+void FrameDistance::place_box() {
+  if (!hull_ || !box_->is) return;
+  to_ = transposed(hull_->R * box_->axes);
+  shift_ = mul_t(box_->axes, hull_->hull->center - box_->centre) - to_ * hull_->center;
+}
+
 // In the box's axes.
 bool FrameDistance::nearest_on_box(Vec3 x, double within, FramePoint& out) const {
-  const Convex& hull = *hull_->hull;
-  const Vec3 y = mul_t(box_->axes, mul_t(hull_->R, x - hull_->center) + hull.center - box_->centre);
+  const double radius = hull_->hull->radius;
+  const Vec3 y = to_ * x + shift_;
   Vec3 away;
   for (int i = 0; i < 3; i++) {
     const double beyond = std::fabs(y[i]) - box_->half[i];
     away[i] = beyond > 0 ? std::copysign(beyond, y[i]) : 0;
   }
   const double d = norm(away);
-  if (d > within + hull.radius || d <= tune::kNoDistance) return false;
-  out.n = hull_->R * (box_->axes * ((1 / d) * away));
-  out.distance = d - hull.radius;
+  if (d > within + radius || d <= tune::kNoDistance) return false;
+  out.n = (1 / d) * mul_t(to_, away);
+  out.distance = d - radius;
   out.at = x - out.distance * out.n;
   return true;
 }

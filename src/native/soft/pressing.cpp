@@ -11,23 +11,21 @@ namespace tune = tuning::soft;
 
 SamplePoses::SamplePoses(const CollisionWorld& world, const SoftWorld& soft, Poses& pose, int shape)
     : samples_(soft.samples_of(shape)), shape_(world.shapes[shape]), pose_(pose) {
-  if (shape_.skin) posed_ = &world.place(pose, shape);
+  if (shape_.skin) points_ = world.place(pose, shape).points();
 }
 
 Vec3 SamplePoses::position(int sample) const {
-  if (posed_) return posed_->points().at(samples_.vertex[sample]);
+  if (shape_.skin) return points_.at(samples_.vertex[sample]);
   const int b = shape_.body;
   return pose_.kin.xpos[b] + pose_.kin.xmat[b] * samples_.points[sample];
 }
 
 Vec3 SamplePoses::normal(int sample) const {
   const Vec3& rest = samples_.normals[sample];
-  if (!posed_) return pose_.kin.xmat[shape_.body] * rest;
-  const Skin& skin = *shape_.skin;
-  const int v = shape_.vertex[samples_.vertex[sample]];
+  if (!shape_.skin) return pose_.kin.xmat[shape_.body] * rest;
   Vec3 n;
-  for (int e = skin.first_weight[v]; e < skin.first_weight[v + 1]; e++)
-    n += skin.weight[e] * (pose_.kin.xmat[skin.body[skin.weight_joint[e]]] * rest);
+  for (int e = samples_.first_carrier[sample]; e < samples_.first_carrier[sample + 1]; e++)
+    n += samples_.carriers[e].weight * (pose_.kin.xmat[samples_.carriers[e].body] * rest);
   const double length = norm(n);
   return length > tune::kNoDistance ? (1 / length) * n : pose_.kin.xmat[shape_.body] * rest;
 }
@@ -45,25 +43,23 @@ double spread(double area, double cosine) {
   return std::max(tune::kLeastEdge, 0.5 * std::sqrt(area * std::max(0.0, 1 - cosine * cosine)));
 }
 
-enum class Seen : char { Far, Away, Near };
+// Where a sample's hard point is, and how far from the frame. False: farther than `within`.
+bool measure(const SamplePoses& poses, const FrameDistance& frame, double within, NearSample& s) {
+  s.hard = poses.position(s.sample);
+  s.measured = frame.nearest(s.hard, within, s.frame.triangle, s.frame);
+  return s.measured;
+}
 
-// Measures one sample at a pose; Far: it is farther than `within` from the frame.
-Seen look(const SamplePoses& poses, const FrameDistance& frame, const SurfaceSamples& samples,
-          double within, NearSample& s) {
-  const Vec3 x = poses.position(s.sample);
-  FramePoint p;
-  if (!frame.nearest(x, within, s.triangle, p)) return Seen::Far;
-  if (poses.turns() || norm2(s.normal) == 0) s.normal = poses.normal(s.sample);
-  const double facing = -dot(s.normal, p.n), cosine = std::clamp(facing, 0.0, 1.0);
-  const double area = samples.areas[s.sample];
+// Depth and area of a sample that was measured, by its normal.
+void face(double area, NearSample& s) {
+  const double cosine = std::clamp(-dot(s.normal, s.frame.n), 0.0, 1.0);
   // What presses is the point of the unloaded surface above the hard point.
-  s.x = s.y = x + s.own * s.normal, s.n = p.n, s.at = p.at, s.triangle = p.triangle;
-  s.depth = p.thickness + s.own * cosine - p.distance;
+  s.x = s.y = s.hard + s.own * s.normal, s.n = s.frame.n;
+  s.depth = s.frame.thickness + s.own * cosine - s.frame.distance;
   s.edge = spread(area, cosine);
   // What is askew is pressed in by less, of foam that is no thinner; nor than its depths spread.
-  s.thickness = std::max(p.thickness + s.own, s.edge);
+  s.thickness = std::max(s.frame.thickness + s.own, s.edge);
   s.area = area * cosine;
-  return facing < tune::kFacesAway ? Seen::Away : Seen::Near;
 }
 
 }  // namespace
@@ -76,41 +72,89 @@ FoamPlace foam_place(const CollisionWorld& world, const Poses& pose, const SoftP
 
 namespace {
 
-// Need a sample not be measured again: is it out of reach, or facing away, by what was seen of it?
-bool stays_out(const SeenSample& seen, double reach, double travelled) {
-  const double since = travelled - seen.at;
-  return seen.depth + since + reach < 0 || (seen.away && since < tune::kTurningWay);
-}
+// The samples of a pair at the start of a step.
+struct NearSearch {
+  const SurfaceSamples& samples;
+  const SoftLayer& own;
+  FrameDistance frame;
+  SamplePoses poses;
+  double asked, room, travelled;  // asked for, measured as far as [m]
+  SoftPair& pair;
+
+  // Measures; what is out of reach is noted, and false.
+  bool reaches(NearSample& s) {
+    const double thick = pair.thickness;
+    const bool found = measure(poses, frame, thick + room, s);
+    return note(s, found ? s.frame.distance - thick : room);
+  }
+  bool note(const NearSample& s, double off) {
+    if (off <= asked) return true;
+    pair.seen[s.sample] = {off, travelled, s.frame.triangle};
+    pair.quiet = std::min(pair.quiet, off + travelled);
+    return false;
+  }
+
+  // Those that were near, in place.
+  void look_again(bool kept) {
+    const auto leaves = [&](NearSample& s) {
+      const bool known = kept && s.measured;
+      return known ? !note(s, s.frame.distance - pair.thickness) : !reaches(s);
+    };
+    pair.near.erase(std::remove_if(pair.near.begin(), pair.near.end(), leaves), pair.near.end());
+  }
+
+  // The others.
+  void find_more() {
+    const size_t known = pair.near.size();
+    size_t next = 0;
+    pair.quiet = 1e300;
+    pair.seen.resize(samples.size());
+    for (int i = 0; i < samples.size(); i++) {
+      if (next < known && pair.near[next].sample == i) {
+        next++;
+        continue;
+      }
+      const SeenSample& seen = pair.seen[i];
+      if (seen.room - (travelled - seen.at) > asked) {
+        pair.quiet = std::min(pair.quiet, seen.room + seen.at);
+        continue;
+      }
+      NearSample s;
+      const SoftLayer& layer = samples.layers.empty() ? own : samples.layers[i];
+      s.law = in_series(frame.layer().law, layer.law);
+      if (s.law.stiffness <= 0) continue;  // both are hard here
+      s.sample = i, s.own = layer.thickness, s.frame.triangle = seen.triangle;
+      if (reaches(s)) pair.near.push_back(s);
+    }
+    std::inplace_merge(
+        pair.near.begin(), pair.near.begin() + (long)known, pair.near.end(),
+        [](const NearSample& a, const NearSample& b) { return a.sample < b.sample; });
+  }
+};
 
 }  // namespace
 
 void find_near(const CollisionWorld& world, const SoftWorld& soft, const FoamCells& cells,
                Poses& start, double reach, double travelled, SoftPair& pair) {
-  pair.stamp = start.stamp, pair.reach = reach;
-  pair.near.clear();
   const SurfaceSamples& samples = soft.samples_of(pair.shape);
-  pair.seen.resize(samples.size());
-  const FrameDistance frame = frame_of(world, soft, start, pair);
-  const SamplePoses poses(world, soft, start, pair.shape);
-  const SoftLayer& own = soft.layer_of_shape(pair.shape);
+  const double asked = reach + samples.pitch;
+  NearSearch search{samples,
+                    soft.layer_of_shape(pair.shape),
+                    frame_of(world, soft, start, pair),
+                    SamplePoses(world, soft, start, pair.shape),
+                    asked,
+                    asked + tune::kSeenMargin,
+                    travelled,
+                    pair};
+  search.look_again(pair.measured == start.stamp);
+  if (travelled + asked >= pair.quiet) search.find_more();
+  pair.stamp = pair.measured = start.stamp, pair.reach = reach;
   const FoamPlace place = foam_place(world, start, pair);
-  const double room = reach + samples.pitch + tune::kSeenMargin;
-  for (int i = 0; i < samples.size(); i++) {
-    SeenSample& seen = pair.seen[i];
-    if (stays_out(seen, reach + samples.pitch, travelled)) continue;
-    const SoftLayer& layer = samples.layers.empty() ? own : samples.layers[i];
-    NearSample s;
-    s.sample = i, s.own = layer.thickness, s.triangle = seen.triangle;
-    const Seen found = look(poses, frame, samples, pair.thickness + room, s);
-    // Turned toward the layer, it has all of its own thickness.
-    seen = {found == Seen::Far ? -room : s.depth + s.own, travelled, found == Seen::Away,
-            s.triangle};
-    if (found != Seen::Near || s.depth + reach + samples.pitch < 0) continue;
-    s.law = in_series(frame.layer().law, layer.law);
-    if (s.law.stiffness <= 0) continue;  // both are hard here
+  for (NearSample& s : pair.near) {
+    s.normal = search.poses.normal(s.sample);
+    face(samples.areas[s.sample], s);
     s.before = s.depth, s.first = s.x;
-    if (s.law.arm > 0) s.gone = cells.gone(place.layer, place.local(s.at), s.law);
-    pair.near.push_back(s);
+    if (s.law.arm > 0) s.gone = cells.gone(place.layer, place.local(s.frame.at), s.law, s.cell);
   }
 }
 
@@ -118,21 +162,32 @@ void act_between(Vec3 from, Vec3 to, SoftPair& pair) {
   for (NearSample& s : pair.near) s.y = 0.5 * (s.x + s.first + (to - from));
 }
 
+void guess_depths(double h, Vec3 v, Vec3 w, SoftPair& pair) {
+  for (NearSample& s : pair.near) {
+    s.depth = s.before - h * dot(s.n, v + cross(w, s.first));
+    s.y = s.first;
+  }
+}
+
 bool find_depths(const CollisionWorld& world, const SoftWorld& soft, Poses& end, double way,
                  SoftPair& pair) {
   const SurfaceSamples& samples = soft.samples_of(pair.shape);
   const auto reaches = [&](const NearSample& s) { return s.before + way + samples.pitch > 0; };
-  for (NearSample& s : pair.near) s.area = 0;
+  pair.measured = 0;
+  for (NearSample& s : pair.near) s.area = 0, s.measured = false;
   if (std::none_of(pair.near.begin(), pair.near.end(), reaches)) return false;
   const FrameDistance frame = frame_of(world, soft, end, pair);
   const SamplePoses poses(world, soft, end, pair.shape);
+  pair.measured = end.stamp;
   bool any = false;
   for (NearSample& s : pair.near) {
     if (!reaches(s)) continue;
-    if (look(poses, frame, samples, pair.thickness + samples.pitch, s) != Seen::Near) {
-      s.depth = -1e300, s.area = 0;
+    if (!measure(poses, frame, pair.thickness + samples.pitch, s)) {
+      s.depth = -1e300;
       continue;
     }
+    if (poses.turns()) s.normal = poses.normal(s.sample);
+    face(samples.areas[s.sample], s);
     any |= s.depth > -s.edge && s.area > 0;
   }
   return any;
@@ -145,11 +200,13 @@ struct Spread {
   const SoftLaw& law;
   double t, e;
 
-  double pressure(double d) const {
-    return (law.energy(d + e, t) - law.energy(d - e, t)) / (2 * e);
-  }
-  double slope(double d) const {
-    return (law.pressure(d + e, t) - law.pressure(d - e, t)) / (2 * e);
+  struct Mean {
+    double pressure, slope;
+  };
+  Mean mean(double d) const {
+    const Springs a = law.springs(d + e, t), b = law.springs(d - e, t);
+    const double whole = 1 / (2 * e);
+    return {(a.energy - b.energy) * whole, (a.pressure - b.pressure) * whole};
   }
   double energy(double d) const {
     return (law.energy_sum(d + e, t) - law.energy_sum(d - e, t)) / (2 * e);
@@ -161,10 +218,11 @@ struct Spread {
 void press_to_end(const Spread& at, double h, NearSample& s) {
   const SoftLaw& law = s.law;
   const double share = s.pressed = at.share(s.depth);
-  const double arm = law.arm * law.stiffness / (1 + h / law.relaxation);
+  const double arm = law.arm > 0 ? law.arm * law.stiffness / (1 + h / law.relaxation) : 0;
+  const Spread::Mean springs = at.mean(s.depth);
   s.arm = share * arm * (s.depth - s.gone);
-  s.pressure = at.pressure(s.depth) + share * law.damping * (s.depth - s.before) / h + s.arm;
-  s.slope = at.slope(s.depth) + share * (law.damping / h + arm);
+  s.pressure = springs.pressure + share * law.damping * (s.depth - s.before) / h + s.arm;
+  s.slope = springs.slope + share * (law.damping / h + arm);
 }
 
 void press_by_mean(const Spread& at, double h, NearSample& s) {
@@ -174,10 +232,11 @@ void press_by_mean(const Spread& at, double h, NearSample& s) {
   const double arm = law.arm * law.stiffness / (1 + 0.5 * h / law.relaxation);
   if (std::fabs(way) > tune::kNoIndent) {
     s.pressure = (at.energy(s.depth) - at.energy(s.before)) / way;
-    s.slope = (at.pressure(s.depth) - s.pressure) / way;
+    s.slope = (at.mean(s.depth).pressure - s.pressure) / way;
   } else {
-    s.pressure = at.pressure(middle);
-    s.slope = 0.5 * at.slope(middle);
+    const Spread::Mean springs = at.mean(middle);
+    s.pressure = springs.pressure;
+    s.slope = 0.5 * springs.slope;
   }
   s.arm = share * arm * (middle - s.gone);
   s.pressure += share * law.damping * way / h + s.arm;
@@ -199,14 +258,14 @@ void remember(const CollisionWorld& world, const Poses& end, double h, const Sof
   for (const NearSample& s : pair.near) {
     if (!(s.pressure > 0) || s.law.arm <= 0 || s.pressed <= 0) continue;
     const double went = h / s.law.relaxation * s.arm / (s.law.arm * s.law.stiffness * s.pressed);
-    cells.press(place.layer, place.local(s.at), s.gone + went, s.pressed * s.area);
+    cells.press(place.layer, place.local(s.frame.at), s.gone + went, s.pressed * s.area, s.cell);
   }
 }
 
 void find_pressures(Rule rule, double h, SoftPair& pair) {
   for (NearSample& s : pair.near) {
     s.pressure = s.slope = s.arm = s.pressed = 0;
-    if (s.area <= 0) continue;
+    if (s.area <= 0 || std::max(s.depth, s.before) <= -s.edge) continue;
     const Spread at{s.law, s.thickness, s.edge};
     if (rule == Rule::End)
       press_to_end(at, h, s);

@@ -30,16 +30,19 @@ inline double moving_share(Rule rule) { return rule == Rule::End ? 1.0 : 0.5; }
 struct NearSample {
   int sample = 0;
   SoftLaw law;             // of both layers
-  Vec3 normal;             // of a skin: outward, at the start of the step
   double own = 0;          // thickness of the sample's own layer [m]
+  Vec3 normal;             // outward; of a skin: at the start of the step
   double before = -1e300;  // depth at the start of the step [m]
   Vec3 first;              // x at the start of the step
   double gone = 0;         // q of the Maxwell arm at the start of the step [m]
-  int triangle = -1;
-  // At the pose looked at last:
-  Vec3 x, n;  // of the hard point; from the layer outward, unit
-  Vec3 at;    // nearest point of the frame
-  Vec3 y;     // where its impulse acts: x; with Rule::Mean between the poses at start and end
+  int cell = -1;           // where that was found (foam_cells.h)
+  // Of its hard point, at the pose that it was measured at last:
+  bool measured = false;  // it was within reach there
+  Vec3 hard, n;           // where it is; from the layer outward, unit
+  FramePoint frame;       // the nearest point of the frame
+  // Of the pose looked at last:
+  Vec3 x;  // of the point of the unloaded surface above it
+  Vec3 y;  // where its impulse acts: x; with Rule::Mean between the poses at start and end
   double depth = -1e300, edge = 0;  // d and e [m]
   double thickness = 0;             // t of the law: of both layers [m]
   double area = 0;                  // as the layer sees it [m^2]
@@ -50,27 +53,37 @@ struct NearSample {
   double slope = 0;     // of the pressure by the depth at the end [Pa/m]
 };
 
-// What is known of a sample from when it was last measured: it saves measuring and changes no result.
+// What is known of a sample from when it was last measured.
+//
+// It saves measuring and changes nothing: samples are near whose distance g from the frame is at most
+// t + reach, t the most that both layers are thick, reach what it may go in the step. Distances
+// from a set change by no more than the point moves relative to it, so that after the two have travelled s
+// more g is at least what it was less s. A sample that is passed over for that would, measured, be found as far
+// and be passed over too. So a simulation without this knowledge, restored from its state, goes on
+// with the same bits.
 struct SeenSample {
-  double depth = 1e300;  // at most [m]
+  double room = -1e300;  // distance from the frame less t, at least [m]
   double at = 0;         // what the two had travelled then [m]
-  bool away = false;     // it faced away from the layer
-  int triangle = -1;
+  int triangle = -1;     // of a mesh: where to begin to search
 };
 
 // One shape and what it may press on.
 struct SoftPair {
   int shape = 0, other_static = -1, other_shape = -1;
+  int group = 0;         // pairs of one body and one other are condensed together
   double thickness = 0;  // of both layers, at most [m]
   // The shape is at least `room` off the frame, minus what it has travelled since `room_at`; < 0: unknown.
   double room = -1, room_at = 0;
   uint64_t stamp = 0;  // of the pose at the start that `near` was found for, as far as `reach`
   double reach = 0;
-  std::vector<NearSample> near;
-  std::vector<SeenSample> seen;  // per sample; empty: nothing
+  uint64_t measured = 0;         // stamp of the pose that samples were measured at last
+  std::vector<NearSample> near;  // in the order of samples
+  std::vector<SeenSample> seen;  // per sample, of those that are not near; empty: nothing
+  // None of those comes within `reach` before the two have travelled so far, less reach.
+  double quiet = -1e300;
 
   void forget() {
-    room = -1, stamp = 0;
+    room = -1, stamp = measured = 0, quiet = -1e300;
     near.clear(), seen.clear();
   }
 };
@@ -82,13 +95,13 @@ class SamplePoses {
   Vec3 position(int sample) const;
   Vec3 normal(int sample) const;  // outward
   // Are normals to be found anew at every pose? Those of a skin hardly turn in a step.
-  bool turns() const { return !posed_; }
+  bool turns() const { return !shape_.skin; }
 
  private:
   const SurfaceSamples& samples_;
   const CollisionShape& shape_;
   const Poses& pose_;
-  const PosedShape* posed_ = nullptr;  // of a skin
+  Points points_{};  // of a skin
 };
 
 FrameDistance frame_of(const CollisionWorld& world, const SoftWorld& soft, Poses& pose,
@@ -104,13 +117,16 @@ struct FoamPlace {
 FoamPlace foam_place(const CollisionWorld& world, const Poses& pose, const SoftPair& pair);
 
 // Finds the samples that are within `reach` of the layer's surface at the start of a step, when the two have
-// travelled so far in all [m].
+// travelled so far in all [m]. What was measured at this pose when it was the end of a step is kept.
 void find_near(const CollisionWorld& world, const SoftWorld& soft, const FoamCells& cells,
                Poses& start, double reach, double travelled, SoftPair& pair);
 // The depths at an end pose, to which the two have gone no farther than `way` [m]. False if no sample is
 // pressed there.
 bool find_depths(const CollisionWorld& world, const SoftWorld& soft, Poses& end, double way,
                  SoftPair& pair);
+// A guess of the depths at the end, without measuring: as if the samples went on with the twist (v, w about
+// the origin) relative to the layer, from where they are at the start.
+void guess_depths(double h, Vec3 v, Vec3 w, SoftPair& pair);
 // Where impulses act if the shape turns: at the means of the places about its middle at the start and
 // at the end, `from` and `to`. The way along the layer that a turn makes is then that of the velocity
 // there, and the work of the pressures is the energy of the springs; places of one end alone would give a

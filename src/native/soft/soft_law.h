@@ -18,6 +18,10 @@
 
 namespace hp {
 
+struct Springs {
+  double pressure = 0, energy = 0;  // p_s [Pa], Psi [J/m^2]
+};
+
 struct SoftLaw {
   double stiffness = 0;      // k [Pa/m]
   double damping = 0;        // c [Pa s/m]
@@ -30,6 +34,12 @@ struct SoftLaw {
   double pressure(double d, double t) const;
   double slope(double d, double t) const;
   double energy(double d, double t) const;
+  // Both at once.
+  Springs springs(double d, double t) const {
+    if (d <= 0) return {};
+    const double x = d / t, kd = stiffness * d, more = densification * (x * x) * (x * x);
+    return {kd * (1 + more), 0.5 * kd * d * (1 + more / 3)};
+  }
   // The integral of the energy over the depth [J/m].
   double energy_sum(double d, double t) const;
 };

@@ -46,6 +46,7 @@ void SoftWorld::finish(const CollisionWorld& world) {
     any_ |= s.size() > 0 && s.thickest > 0;
   }
   if (!any_) return;
+  find_carriers(world);
   build_trees(world);
   for (const Static& s : world.statics) static_boxes.push_back(FrameBox::of(s.hull));
   for (const CollisionShape& s : world.shapes)
@@ -109,6 +110,24 @@ void SoftWorld::place_skin(const CollisionWorld& world, const SkinSamples& skin)
     layer.law.stiffness = layer.soft() ? skin.stiffness[k] : 0;
     layer.law.damping = layer.soft() ? skin.damping[k] : 0;
     s.layers.push_back(layer);
+  }
+}
+
+void SoftWorld::find_carriers(const CollisionWorld& world) {
+  for (size_t i = 0; i < samples.size(); i++) {
+    const CollisionShape& shape = world.shapes[i];
+    SurfaceSamples& s = samples[i];
+    if (!shape.skin) continue;
+    const Skin& skin = *shape.skin;
+    s.first_carrier.assign(1, 0);
+    for (const int vertex : s.vertex) {
+      const int v = shape.vertex[vertex];
+      for (int e = skin.first_weight[v]; e < skin.first_weight[v + 1]; e++) {
+        const int joint = skin.weight_joint[e];
+        if (skin.weight[e] != 0) s.carriers.push_back({joint, skin.body[joint], skin.weight[e]});
+      }
+      s.first_carrier.push_back((int)s.carriers.size());
+    }
   }
 }
 

@@ -39,8 +39,16 @@ struct SurfaceSamples {
   std::vector<int> vertex;        // of a skin: in the shape
   std::vector<int> number;        // of a skin: in the order in which they were given
   std::vector<SoftLayer> layers;  // of a skin: of each sample; else: that of the shape
-  double pitch = 0;               // distance of neighbours, about [m]
-  double thickest = 0;            // layer above a sample [m]
+  // Of a skin: the joints that carry a sample, first_carrier[i] ... first_carrier[i + 1] - 1, by their
+  // weights, of which none is 0.
+  struct Carrier {
+    int joint, body;
+    double weight;
+  };
+  std::vector<Carrier> carriers;
+  std::vector<int> first_carrier;
+  double pitch = 0;     // distance of neighbours, about [m]
+  double thickest = 0;  // layer above a sample [m]
   int size() const { return (int)normals.size(); }
 };
 
@@ -74,6 +82,7 @@ struct SoftWorld {
 
  private:
   void place_skin(const CollisionWorld& world, const SkinSamples& skin);
+  void find_carriers(const CollisionWorld& world);
   void build_trees(const CollisionWorld& world);
 
   bool any_ = false;

@@ -108,7 +108,7 @@ void ContactStep::settle(double h) {
   check_limits(system_, data_, h);
   ranges_.check(system_, data_, h);
   data_.soft.choose_rules(system_, data_, h);
-  data_.soft.look(system_, data_, h);
+  data_.soft.look(system_, data_, h, true);
   bool open = false;
   for (IslandProgress& p : data_.attempt.islands) {
     p.state = p.violated ? IslandProgress::State::Open : IslandProgress::State::Settled;
@@ -121,7 +121,7 @@ void ContactStep::settle(double h) {
     verification_.check(system_, data_, h);
     ranges_.check(system_, data_, h);
     for (IslandProgress& p : data_.attempt.islands) p.pass++;
-    data_.soft.look(system_, data_, h);
+    data_.soft.look(system_, data_, h, false);
     open = false;
     for (IslandProgress& p : data_.attempt.islands) {
       if (p.open() && !p.violated) p.state = IslandProgress::State::Settled;

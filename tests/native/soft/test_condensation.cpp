@@ -41,9 +41,10 @@ void points_have_the_force_moments_and_stiffness_of_the_samples() {
     const double share = hp::moving_share(rule);
     for (const hp::NearSample& s : pair.near)
       exact.add(s.x, share * h * s.area * s.pressure, share * h * h * s.area * s.slope);
+    std::vector<hp::PressedSample> pressed;
+    hp::list_pressed(pair, 0, rule, h, pressed);
     std::vector<hp::PatchPoint> points;
-    std::vector<int> patch;
-    hp::condense(pair, rule, h, 0, points, patch);
+    hp::condense(pressed, 0, points);
     CHECK(points.size() == 4);
     for (const hp::PatchPoint& p : points) {
       CHECK(p.impulse > 0 && p.n.z > 1 - 1e-12);
@@ -59,10 +60,11 @@ void points_have_the_force_moments_and_stiffness_of_the_samples() {
 void no_point_pulls() {
   hp::SoftPair pair = field(0.16, 8);
   hp::find_pressures(hp::Rule::End, 1.0 / 240, pair);
+  std::vector<hp::PressedSample> pressed;
+  hp::list_pressed(pair, 0, hp::Rule::End, 1.0 / 240, pressed);
   std::vector<hp::PatchPoint> points;
-  std::vector<int> patch;
-  hp::condense(pair, hp::Rule::End, 1.0 / 240, 0, points, patch);
-  const hp::PairImpulse exact = hp::total_impulse(pair, hp::Rule::End, 1.0 / 240, {});
+  hp::condense(pressed, 0, points);
+  const hp::PairImpulse exact = hp::total_impulse(pressed, {});
   Vec3 force, moment;
   for (const hp::PatchPoint& p : points) {
     CHECK(p.impulse >= 0);
@@ -91,9 +93,10 @@ void surfaces_that_face_apart_are_patches() {
     pair.near.push_back(s);
   }
   hp::find_pressures(hp::Rule::End, 1.0 / 240, pair);
+  std::vector<hp::PressedSample> pressed;
+  hp::list_pressed(pair, 0, hp::Rule::End, 1.0 / 240, pressed);
   std::vector<hp::PatchPoint> points;
-  std::vector<int> patch;
-  hp::condense(pair, hp::Rule::End, 1.0 / 240, 0, points, patch);
+  hp::condense(pressed, 0, points);
   CHECK(points.size() == 6);  // the second is seen from its edge
   for (const hp::PatchPoint& p : points) CHECK(p.n.z > 1 - 1e-12 || p.n.x > 1 - 1e-12);
 }

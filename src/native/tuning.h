@@ -1025,8 +1025,6 @@ constexpr double kPointSpread = 5e-4;
 // Nor does a patch of a person turn its part by more than its middle does, where it resists turning by less
 // than this [kg m^2]: h^2 times its stiffness. A thigh has 0.1.
 constexpr double kFirmTurn = 2e-3;
-// Samples that face away from a layer by more than this cosine cannot come to press it in a step.
-constexpr double kFacesAway = -0.5;
 // Samples are measured this much farther than is asked [m], so that they need not be soon again.
 constexpr double kSeenMargin = 0.03;
 // Edge of a cell that foam remembers in [m], and the memory that is none [m]. Smaller cells: a dent of finer
@@ -1055,8 +1053,9 @@ constexpr int kMostLooks = 5;
 // What looking at a sample is taken to cost [multiplications, of 0.125 ns].
 constexpr double kSampleWork = 2e3;
 // The pressures at the end are those of the solve if the sums of force and moment differ by less than this
-// share, or by an impulse that small [N s]: free objects must not gain energy by it, people are driven.
-constexpr double kRightShare = 3e-4, kRightShareDriven = 3e-3, kRightImpulse = 1e-7;
+// share, or by an impulse that small [N s]: free objects must not gain energy by it. People are driven, and
+// their rows are made anew in every step: what is off is gone in the next.
+constexpr double kRightShare = 3e-4, kRightShareDriven = 1e-2, kRightImpulse = 1e-7;
 // Moments of pressures nearer to the middle than this may differ as if they were so far from it [m].
 constexpr double kLeastLever = 1e-3;
 

@@ -6,6 +6,9 @@ at the edges and corners of solids with flat sides. Where the solid is thin, t i
 `SHARE` of the way to the opposite surface, found along d by the distance from the surface, which
 grows up to the middle of a wall and falls beyond it. Where d ends nearer to another side than t
 (a rounded edge that is narrower than the layer), the vertex is pushed away from that side.
+
+That takes seconds for tens of thousands of vertices; what came of it is kept on the disk for the
+next time (`inset_cache`).
 """
 
 from __future__ import annotations
@@ -15,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics.geometry import inset_cache
 from halfphysics.geometry.mesh_queries import MeshQuery, is_closed
 
 Array = NDArray[np.float64]
@@ -57,6 +61,18 @@ def inset(vertices: Array, faces: Indices, thickness: ArrayLike) -> Inset:
         at most what was asked.
     """
     t = np.array(np.broadcast_to(np.asarray(thickness, dtype=np.float64), (len(vertices),)))
+    if len(vertices) < inset_cache.FEWEST:
+        return _made(vertices, faces, t)
+    key = inset_cache.key_of(vertices, faces, t)
+    kept = inset_cache.read(key, len(vertices))
+    if kept is not None:
+        return Inset(*kept)
+    made = _made(vertices, faces, t)
+    inset_cache.write(key, made.vertices, made.thickness)
+    return made
+
+
+def _made(vertices: Array, faces: Indices, t: Array) -> Inset:
     surface = _Surface(vertices, faces)
     t = np.minimum(t, SHARE * surface.walls(t))
     every = np.arange(len(vertices))

@@ -68,7 +68,7 @@ def write(key: str, pieces: list[Mesh], figures: Array) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_npz(path, arrays)
-        _trim(path)
+        trim(path)
     except (FileError, OSError) as error:
         warnings.warn(
             f"the pieces of a mesh cannot be kept for the next time: {error}. Set "
@@ -89,7 +89,7 @@ def _path(key: str) -> Path | None:
     return None if where is None else where / f"{key}.npz"
 
 
-def _trim(newest: Path) -> None:
+def trim(newest: Path) -> None:
     """Remove files that were not used for the longest time, down to `MOST_BYTES`."""
     known = []
     for path in newest.parent.glob("*.npz"):

@@ -182,7 +182,7 @@ bool SoftContacts::measure(const System& system, Data& data, double h, const Gro
   const PairImpulse now = total_impulse(rows_of(group).pressed, to);
   // The rows lie where the layer was when they were made.
   const PairImpulse was = applied(group, from);
-  const double share = rule == Rule::Mean ? tune::kRightShare : 1e-2;
+  const double share = rule == Rule::Mean ? tune::kRightShare : tune::kRightShareDriven;
   const double allowed = share * std::max(now.size, was.size) + tune::kRightImpulse;
   return norm(now.force - was.force) <= allowed &&
          norm(now.moment - was.moment) <= allowed * std::max(now.lever, tune::kLeastLever);

@@ -2,7 +2,8 @@
 
 Each number is what its source says, in the source's unit; ranges are its means with one standard
 deviation to both sides, or the smallest and the largest of its means. Mats of sensors differ from
-each other by tens of per cent, and read the lowest pressures (under 5 mmHg) as zero.
+each other by tens of per cent, and read the lowest pressures (under 5 mmHg, `SHOWN` of
+`halfphysics.results.layer_pressure`; Yuan et al.: 0.67 kPa) as zero.
 """
 
 from __future__ import annotations
@@ -11,8 +12,6 @@ from dataclasses import dataclass
 
 #: Pascals of a millimetre of mercury.
 MMHG = 133.322
-#: Lowest pressure that counts as contact [Pa]: 5 mmHg, as of Yuan et al. (0.67 kPa).
-LEAST = 670.0
 #: Pressure above which Yuan et al. call contact "middle to high" [Pa].
 MIDDLE = 4000.0
 

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 from gallery_shots import CLIPS, SHOTS
-from PIL import Image
+from side_by_side import save_side_by_side
 
 import halfphysics as hp
 from halfphysics import scenarios
@@ -28,8 +28,8 @@ from halfphysics.render.film.filming import Shoot, workers
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 PICTURES = DOCS / "pictures"
 SIZE, _SAMPLES, _COLORS = (240, 240), 3, 128
-# The README's film: height [pixels], pictures, pictures and story per second, the last one's time [ms].
-_HEIGHT, _PICTURES, _FPS, _SPEED, _PAUSE, _QUALITY = 330, 66, 15, 0.75, 1200, 75
+# The README's film: height [pixels], pictures, pictures and story per second, quality [%].
+_HEIGHT, _PICTURES, _FPS, _SPEED, _QUALITY = 330, 66, 15, 0.75, 75
 # The README's picture [s].
 _MOMENTS = (0.9, 1.9, 2.37, 2.6, 3.1, 4.3, 4.9, 5.53)
 
@@ -126,18 +126,8 @@ def film() -> Path:
         options = FilmOptions(camera=(clip.camera,), size=(clip.width, _HEIGHT), text=clip.key)
         shoot = Shoot([result], options, [times * result.fps], rate=_FPS / _SPEED)
         columns.append(shoot.pictures(workers(None)))
-    pictures = [Image.fromarray(np.concatenate(row, axis=1)) for row in zip(*columns, strict=True)]
     path = DOCS / "film.webp"
-    lasting = [round(1000 / _FPS)] * (len(pictures) - 1) + [_PAUSE]
-    pictures[0].save(
-        path,
-        save_all=True,
-        append_images=pictures[1:],
-        duration=lasting,
-        loop=0,
-        quality=_QUALITY,
-        method=6,
-    )
+    save_side_by_side(columns, path, fps=_FPS, quality=_QUALITY)
     return path
 
 

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 from PIL import Image
+from side_by_side import save_side_by_side
 
 import halfphysics as hp
 from halfphysics import scenarios
@@ -38,8 +39,8 @@ CLIPS = (
     ("ball_on_cushion", (0.45, 0.0, 0.35), (1.6, -1.2, 0.9), (0.2, 3.0)),
     ("squeeze_pillow", (0.35, 0.0, 0.85), (1.7, -1.4, 1.3), (0.2, 3.2)),
 )
-# Of the film: size of a clip [pixels], pictures, pictures per second, the last one's time [ms].
-_CLIP, _PICTURES, _FPS, _PAUSE, _QUALITY = (230, 300), 45, 12, 900, 72
+# Of the film: size of a clip [pixels], pictures, pictures per second, quality [%].
+_CLIP, _PICTURES, _FPS, _QUALITY = (230, 300), 45, 12, 72
 _STILL = (420, 330)
 
 
@@ -82,18 +83,8 @@ def film() -> Path:
         times = np.linspace(*clip[3], _PICTURES)
         frames = np.minimum(np.round(times * result.fps).astype(int), len(result) - 1)
         columns.append([shot(result, drawing, int(f), camera, _CLIP) for f in frames])
-    pictures = [Image.fromarray(np.concatenate(row, axis=1)) for row in zip(*columns, strict=True)]
     path = DOCS / "soft.webp"
-    lasting = [round(1000 / _FPS)] * (len(pictures) - 1) + [_PAUSE]
-    pictures[0].save(
-        path,
-        save_all=True,
-        append_images=pictures[1:],
-        duration=lasting,
-        loop=0,
-        quality=_QUALITY,
-        method=4,
-    )
+    save_side_by_side(columns, path, fps=_FPS, quality=_QUALITY)
     return path
 
 

@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from evidence.interface_pressures import LEAST, MIDDLE
+from evidence.interface_pressures import MIDDLE
 from evidence.model import Outcome
 from evidence.runs import playing
 from halfphysics.bench.soft import BED, SEAT, story
 from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.results.layer_pressure import SHOWN
 
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
@@ -34,7 +35,7 @@ def lying(result: Result) -> dict[str, float]:
     rows = _last(result)
     return {
         "mean pressure": rows.mean(),
-        "area": rows.area_over(LEAST),
+        "area": rows.area_over(SHOWN),
         "peak of the pelvis": rows.peak(PELVIS),
         "peak of the heels": rows.peak(HEELS),
         "peak of the upper back": rows.peak(BACK),
@@ -49,7 +50,7 @@ def sitting(result: Result) -> dict[str, float]:
         "share of the weight on seat and rest": 100.0 * all_.load() / _weight(result),
         "mean pressure of the seat": seat.mean(),
         "peak of the seat": seat.peak(),
-        "area of the seat": seat.area_over(LEAST),
+        "area of the seat": seat.area_over(SHOWN),
         "area of the seat over 4 kPa": seat.area_over(MIDDLE),
     }
 
@@ -82,7 +83,7 @@ class _Rows:
 
     def mean(self) -> float:
         """Mean pressure where a mat would read one [kPa]."""
-        felt = self.pressure >= LEAST
+        felt = self.pressure >= SHOWN
         area = float(self.area[felt].sum())
         return 0.001 * float((self.pressure * self.area)[felt].sum()) / max(area, 1e-12)
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
-from evidence.interface_pressures import LEAST
 from evidence.runs.lying import lying, sitting
 from halfphysics import scenarios
 from halfphysics.bench.clips import body as bench_body
-from halfphysics.bench.soft import BED, SEAT, softened, story
+from halfphysics.bench.soft import BED, SEAT, story
+from halfphysics.results.layer_pressure import SHOWN
 from halfphysics.settings import Settings
 from halfphysics.simulation.simulate import simulate
 from support.judges.skin_judge import SkinJudge
@@ -68,20 +68,20 @@ def test_the_pressures_are_those_of_the_skin_where_it_is():
     """Load, area, peak and centre of pressure, by the triangles of the skin in the last pose."""
     stiffness = 6e4
     layer = hp.Soft(thickness=0.13, stiffness=stiffness, law="linear")
-    told = scenarios.load("stretch_on_bed", body=bench_body())
-    scene = softened(told.scene, {"mattress": layer})
+    told = scenarios.load("stretch_on_bed", body=bench_body(), soft=layer)
+    scene = told.scene
     result = simulate(told.motions[0], scene, body=told.bodies[0], settings=Settings(substeps=8))
     body = result.people[0].body
     skin = body.vertices(result.motion, frames=[len(result) - 1])[0]
     bed = scene.statics["mattress"]
     low, high = (bed.position + s * 0.5 * np.asarray(bed.shape.size) for s in (-1.0, 1.0))
     inside = np.array([low[:2], high[:2]])
-    seen = pressed(skin, body.faces, high[2], inside, stiffness, LEAST)
+    seen = pressed(skin, body.faces, high[2], inside, stiffness, SHOWN)
     rows = result.soft_contacts
     last = rows.frame == len(result) - 1
     pressure, area = rows.pressure[last].astype(float), rows.area[last].astype(float)
     assert pressure @ area == pytest.approx(seen.load, rel=0.03)
-    assert area[pressure >= LEAST].sum() == pytest.approx(seen.area, rel=0.05)
+    assert area[pressure >= SHOWN].sum() == pytest.approx(seen.area, rel=0.05)
     assert pressure.max() == pytest.approx(seen.peak, rel=0.05)
     centre = (pressure * area) @ rows.position[last][:, :2] / (pressure @ area)
     np.testing.assert_allclose(centre, seen.centre, atol=0.01)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -12,15 +12,13 @@ from halfphysics.bench.clips import SUBSTEPS, body
 from halfphysics.bench.record import Checks, Options, Record
 from halfphysics.bench.sides import followed, measure
 from halfphysics.results.result import Result
-from halfphysics.scene.scene import Scene
-from halfphysics.scene.soft import Soft
 from halfphysics.settings import Settings
 from halfphysics.simulation.sequence import Sequence
 from halfphysics.simulation.simulator import Simulator
 
-#: Scenario, and the material of what of it is soft.
-SEAT = ("sit_on_sofa", {"seat": "sofa", "rest": "sofa"})
-BED = ("stretch_on_bed", {"mattress": "mattress"})
+#: Scenario, and the material of its furniture.
+SEAT = ("sit_on_sofa", "sofa")
+BED = ("stretch_on_bed", "mattress")
 #: Frames of a quick run: seated; lying.
 _SEATED, _LYING = slice(45, 75), slice(15, 45)
 
@@ -35,16 +33,14 @@ def bed(options: Options) -> Iterator[Record]:
     yield from _beside("soft-bed", BED, _LYING, options)
 
 
-def _beside(
-    case: str, what: tuple[str, Mapping[str, str]], quick: slice, options: Options
-) -> Iterator[Record]:
-    name, materials = what
+def _beside(case: str, what: tuple[str, str], quick: slice, options: Options) -> Iterator[Record]:
+    name = what[0]
     told = scenarios.load(name, body=body())
     motion = told.motions[0][quick] if options.quick else told.motions[0]
     settings = Settings(substeps=SUBSTEPS)
     soft, hard = (
         Simulator(scene, body=body(), settings=settings, fps=motion.fps)
-        for scene in (softened(told.scene, materials), told.scene)
+        for scene in (story(what).scene, told.scene)
     )
     done = measure(
         case,
@@ -64,27 +60,10 @@ def _beside(
     yield replace(done.record, checks=checks)
 
 
-def story(what: tuple[str, Mapping[str, str]]) -> Sequence:
-    """A scenario with the named statics soft."""
-    name, materials = what
-    told = scenarios.load(name, body=body())
-    return Sequence(told.motions[0], softened(told.scene, materials), body())
-
-
-def softened(scene: Scene, materials: Mapping[str, str | Soft]) -> Scene:
-    """A copy of a scene of statics in which those named are soft."""
-    out = Scene(gravity=scene.gravity)
-    for name, static in scene.statics.items():
-        out.add_static(
-            name,
-            static.shape,
-            position=static.position,
-            quaternion=static.quaternion,
-            friction=static.friction,
-            restitution=static.restitution,
-            soft=materials.get(name),
-        )
-    return out
+def story(what: tuple[str, str]) -> Sequence:
+    """A scenario with soft furniture."""
+    name, material = what
+    return scenarios.load(name, body=body(), soft=material)
 
 
 def pressing(result: Result) -> Checks:

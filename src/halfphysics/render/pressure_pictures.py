@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.base.validation import file_path, is_whole, number, shown
+from halfphysics.base.validation import is_whole, number, shown
 from halfphysics.errors import InputError
-from halfphysics.render.film import encoding
 from halfphysics.render.look import LIGHT
 from halfphysics.render.pressure_colors import scale_end, shades
+from halfphysics.render.pressure_files import DrawnPressures, pressure_path
 from halfphysics.results.layer_pressure import SHOWN
 
 if TYPE_CHECKING:
@@ -24,8 +23,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Picture = NDArray[np.uint8]
 
-#: What a map is saved as.
-SUFFIXES = (".png", *encoding.FILMS, ".npz")
 # Largest width and height of the map itself, and the least of the picture [pixels].
 _MOST, _LEAST_WIDTH = (760, 560), 420
 # Room left, above, right (the bar) and below [pixels].
@@ -36,10 +33,6 @@ _BAR, _LEAST_BAR = 16, 96
 _PAPER, _GRID = (255, 255, 255), (214, 218, 224)
 #: Colour of text.
 INK = tuple(round(255 * c) for c in LIGHT.ink)
-# Frames of a film per second, at most.
-_MOST_FPS = {".gif": 20.0}
-# Frames from which the palette of a GIF is computed.
-_GIF_SAMPLES = 6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,71 +70,17 @@ def save_pressure(
         FileError: The file cannot be written.
         MissingDependencyError: ffmpeg, which .mp4 and .webm need, is not installed.
     """
-    from halfphysics.base.atomic import atomic_write
-
-    path = file_path(path)
-    suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise InputError(f"path: found {path.name!r}, expected a name in {', '.join(SUFFIXES)}")
-    if frame is not None and suffix != ".png":
-        raise InputError(f"frame: found {shown(frame)} for {path.name}; a frame is for a .png")
-    if suffix == ".npz":
-        from halfphysics.base.npz import write_npz
-
-        write_npz(path, arrays_of(made))
-        return path
-    if suffix == ".png":
-        from PIL import Image
-
-        with atomic_write(path) as file:
-            Image.fromarray(picture(made, frame, most)).save(file, format="PNG")
-        return path
-    end = _end(made, None, most)
-
-    def pictures(frames: Sequence[int]) -> Iterator[Picture]:
-        for k in frames:
-            yield picture(made, k, end, even=True)
-
-    write_pictures(path, pictures, _layout(made, even=True).size, len(made), made.fps)
-    return path
-
-
-def write_pictures(
-    path: Path,
-    pictures: Callable[[Sequence[int]], Iterator[Picture]],
-    size: tuple[int, int],
-    frames: int,
-    fps: float,
-) -> None:
-    """Write a film of pictures that are drawn as they are needed, by the suffix of its name.
-
-    Args:
-        path: .mp4, .webm or .gif; whole or not at all.
-        pictures: Draws those of given frames.
-        size: Their width and height [pixels].
-        frames: Number of frames of the result.
-        fps: Its frames per second.
-
-    Raises:
-        FileError: The file cannot be written.
-        MissingDependencyError: ffmpeg, which .mp4 and .webm need, is not installed.
-    """
-    from halfphysics.base.atomic import atomic_path
-
-    suffix = path.suffix.lower()
-    step = max(1, int(np.ceil(fps / _MOST_FPS.get(suffix, 60.0) - 1e-6)))
-    rate, shown_frames = fps / step, range(0, frames, step)
-    encoding.check_film(suffix, size, rate)
-    with atomic_path(path) as temporary:
-        if suffix == ".gif":
-            chosen = np.unique(np.linspace(0, len(shown_frames) - 1, _GIF_SAMPLES).astype(int))
-            samples = pictures([shown_frames[k] for k in chosen.tolist()])
-            with temporary.open("wb") as gif:
-                encoding.save_gif(gif, pictures(shown_frames), samples, rate)
-        else:
-            with encoding.encoder(temporary, suffix, size, rate) as write:
-                for one in pictures(shown_frames):
-                    write(one)
+    path = pressure_path(path, frame)
+    end = None if path.suffix.lower() in (".png", ".npz") else _end(made, None, most)
+    drawn = DrawnPressures(
+        arrays=lambda: arrays_of(made),
+        still=lambda: picture(made, frame, most),
+        moment=lambda k: picture(made, k, end, even=True),
+        size=_layout(made, even=True).size,
+        frames=len(made),
+        fps=made.fps,
+    )
+    return drawn.save(path)
 
 
 def arrays_of(made: PressureMap) -> dict[str, NDArray[Any]]:

@@ -3,25 +3,18 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.base.validation import file_path, is_whole, number, shown
+from halfphysics.base.validation import is_whole, number, shown
 from halfphysics.errors import InputError
 from halfphysics.render.look import LIGHT
 from halfphysics.render.pressure_colors import scale_end
-from halfphysics.render.pressure_pictures import (
-    INK,
-    SMALL,
-    SUFFIXES,
-    TEXT,
-    draw_bar,
-    write_pictures,
-)
+from halfphysics.render.pressure_files import DrawnPressures, pressure_path
+from halfphysics.render.pressure_pictures import INK, SMALL, TEXT, draw_bar
 from halfphysics.render.rasterizer import Camera, Look, Surface, render
 from halfphysics.render.skin_bands import banded
 
@@ -70,27 +63,10 @@ def save_skin_pressure(
     from halfphysics.body.skin_samples import vertex_areas
     from halfphysics.results.skin_pressure import skin_pressure
 
-    path = file_path(path)
-    suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise InputError(f"path: found {path.name!r}, expected a name in {', '.join(SUFFIXES)}")
-    if frame is not None and suffix != ".png":
-        raise InputError(f"frame: found {shown(frame)} for {path.name}; a frame is for a .png")
+    path = pressure_path(path, frame)
+    still = path.suffix.lower() == ".png"
     pressure = skin_pressure(result, person)
     someone = result.people[person]
-    if suffix == ".npz":
-        from halfphysics.base.npz import write_npz
-
-        write_npz(
-            path,
-            {
-                "pressure": pressure,
-                "area": vertex_areas(someone.body.rest_vertices, someone.body.faces)[0],
-                "fps": np.array(result.fps),
-                "name": np.array(someone.name),
-            },
-        )
-        return path
     if frame is not None and (
         not is_whole(frame, plain=False) or not -len(result) <= frame < len(result)
     ):
@@ -99,27 +75,26 @@ def save_skin_pressure(
             f"(0 to {len(result) - 1})"
         )
     values = pressure.max(axis=0) if frame is None else pressure[frame]
-    whole = pressure if suffix != ".png" else values
+    whole = values if still else pressure
     end = 1e3 * scale_end(1e-3 * float(whole.max(initial=0.0)))
     if most is not None:
         end = number(most, "most", above=0.0, unit="Pa")
     sides = _Sides(someone.body, someone.name, end, result.fps)
-    if suffix == ".png":
-        from PIL import Image
-
-        from halfphysics.base.atomic import atomic_write
-
-        with atomic_write(path) as file:
-            index = None if frame is None else int(frame) % len(result)
-            Image.fromarray(sides.picture(values, index)).save(file, format="PNG")
-        return path
-
-    def pictures(frames: Any) -> Iterator[Picture]:
-        for k in frames:
-            yield sides.picture(pressure[k], k)
-
-    write_pictures(path, pictures, sides.size, len(result), result.fps)
-    return path
+    index = None if frame is None else int(frame) % len(result)
+    drawn = DrawnPressures(
+        arrays=lambda: {
+            "pressure": pressure,
+            "area": vertex_areas(someone.body.rest_vertices, someone.body.faces)[0],
+            "fps": np.array(result.fps),
+            "name": np.array(someone.name),
+        },
+        still=lambda: sides.picture(values, index),
+        moment=lambda k: sides.picture(pressure[k], k),
+        size=sides.size,
+        frames=len(result),
+        fps=result.fps,
+    )
+    return drawn.save(path)
 
 
 class _Sides:

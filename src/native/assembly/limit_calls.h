@@ -14,7 +14,8 @@ void set_joint_ranges(Stepper& s, int person, Doubles axes, Doubles lower, Doubl
 // People who are blocked wait: see ReferenceClock.
 void set_waiting(Stepper& s, bool on);
 // Person `person` stands on what is under it: see Footing. `joints`: hip, knee and ankle (bodies) of
-// every leg, with the ranges that they have by then, whose soles are the next `soles` points; the last `hands` are of hands, the rest of other skin.
+// every leg, with the ranges that they have by then, whose soles are the next `soles` points; the
+// last `hands` are of hands, the rest of other skin.
 void set_footing(Stepper& s, int person, Faces joints, Ints soles, int hands, Ints body,
                  Doubles weight, Rows3 local, Rows3 normal);
 

@@ -77,8 +77,8 @@ class Fleet {
   }
 
   // One frame of length dt in n substeps of the worlds in which `active` is not 0. `targets`
-  // (worlds, .): of all people of a world; `rests` and their velocities `rates` (worlds, motors). All of `poses` (worlds, 7 bodies),
-  // `states` (worlds, 2 motors: coordinates, then velocities) and `impulses` (worlds, 4 groups groups)
+  // (worlds, .): of all people of a world; `rests` and their velocities `rates` (worlds, motors). All
+  // of `poses` (worlds, 7 bodies), `states` (worlds, 2 motors: coordinates, then velocities) and `impulses` (worlds, 4 groups groups)
   // that belongs to an active world is written; n = 0: nobody moves, impulses are zero.
   void frame(Ints active, Square targets, Square rests, Square rates, double dt, int n, Out poses,
              Out states, Out impulses) {

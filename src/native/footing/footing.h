@@ -15,8 +15,9 @@
 //
 // What rests is read from the reference: what is slow and low. A sole that would be under a surface
 // is lifted whether it rests or not, and nothing that is over the static ground gets into it as the
-// person comes down. While soft layers carry it the height is theirs (on_layers.h). A motion whose feet are at the ground is not changed by one bit,
-// and where there is nothing under a person nothing is corrected.
+// person comes down. While soft layers carry it the height is theirs (on_layers.h). A motion whose
+// feet are at the ground is not changed by one bit, and where there is nothing under a person nothing
+// is corrected.
 #pragma once
 #include <memory>
 #include <vector>

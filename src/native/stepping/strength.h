@@ -6,8 +6,8 @@
 //
 //   h tau = M (e - e_before) - M^ (v - v*)        (+ h load of held objects, held_load.h)
 //
-// The weight that rests on layers (layer_load.h) is in v* and none of it. It is zero in free motion, and balances the contacts in a static hold. With limits tau_max the
-// drive
+// The weight that rests on layers (layer_load.h) is in v* and none of it. It is zero in free motion,
+// and balances the contacts in a static hold. With limits tau_max the drive
 //   1. pulls the deviation back by at most D with M^_jj |D_j| <= h tau_max,j (limit());
 //   2. and with |(M^ D)_j| <= h tau_max,j, coupling included (limit());
 //   3. resists contacts less where a joint exerts more: M^ - M becomes theta (M^ - M) theta with

@@ -6,8 +6,9 @@
 // starting gap and 0.1 mm, see gap_targets.h) and no shape is beyond the reach of its
 // planes. The rest of it is made in pieces, at most kMostPieces, one island after the other, while all
 // others stand where they have arrived. Velocities are kept; a step of which less than a quarter is
-// possible is not begun but tried at an eighth of its length. Time that is left after that is lost. A step at whose end the end check (end_check.h) finds an
-// overlap is shortened likewise, whether it was verified or not.
+// possible is not begun but tried at an eighth of its length. Time that is left after that is lost. A
+// step at whose end the end check (end_check.h) finds an overlap is shortened likewise, whether it was
+// verified or not.
 #pragma once
 #include "stepping/step_attempts.h"
 #include "stepping/strength.h"

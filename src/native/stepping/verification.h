@@ -32,8 +32,9 @@ class Verification {
   std::vector<char> squeezed_;  // per person: a kinematic body is near
 };
 
-// Gap at the end pose minus target of candidate i [m], or a lower bound of it that is positive. Where its plane is forgiven, what it hides is
-// to be searched; where very many such planes have been already, it is not forgiven.
+// Gap at the end pose minus target of candidate i [m], or a lower bound of it that is positive. Where
+// its plane is forgiven, what it hides is to be searched; where very many such planes have been
+// already, it is not forgiven.
 double excess(System& system, Data& data, size_t i);
 // The same, where a miss within what is allowed need not be looked at closer (GapCheck::excess).
 double excess_over_slack(System& system, Data& data, size_t i);

@@ -52,3 +52,13 @@ def test_they_are_made_once_per_body_and_the_same_every_time(body, samples):
     assert skin_samples(body) is samples
     again = skin_samples(hp.Body.default(betas=np.zeros(10)))
     assert np.array_equal(again.vertex, samples.vertex)
+
+
+@pytest.mark.parametrize("betas", [None, [2.0, -1.0, 0.5]])
+def test_samples_of_the_right_are_images_of_those_of_the_left(betas):
+    body = hp.Body.default(betas)
+    samples, image = skin_samples(body), body.symmetry.vertex
+    at = {int(v): k for k, v in enumerate(samples.vertex)}
+    other = np.array([at[int(image[v])] for v in samples.vertex])
+    np.testing.assert_array_equal(samples.area, samples.area[other])
+    np.testing.assert_array_equal(samples.normal, samples.normal[other] * [-1.0, 1.0, 1.0])

@@ -17,9 +17,9 @@ from halfphysics.motion.skeleton import MIRRORED
 from halfphysics.settings import Settings
 from support.people import along_x
 
-#: Bounds of the joints' differences over the clip [m], skin and rigid parts. Seen of the skin: 8e-11
-#: near, 1.5e-10 where coordinates are rounded a hundred times more coarsely. Of the parts, whose
-#: flat faces have many equally deep corners, 7e-6.
+#: Bounds of the joints' differences over the clip [m], skin and rigid parts. Seen of the skin:
+#: 8e-11 near, 1.5e-10 where coordinates are rounded a hundred times more coarsely. Of the parts,
+#: whose flat faces have many equally deep corners, 7e-6.
 SKIN, PARTS = 1e-8, 1e-4
 #: The same over the first 20 frames, of which ten have contact [m]; seen: 6e-11, parts 3e-7.
 FIRST = 1e-6

@@ -1,7 +1,8 @@
 """Samples of the skin: vertices with areas, by which a person presses on what is soft.
 
 Every vertex of the skin gives its share of the triangles around it to the nearest sample of its
-part that faces the same way: areas sum to the skin's area at rest, part by part.
+part that faces the same way: areas sum to the skin's area at rest, part by part. Samples of the
+right are mirror images of those of the left (`body/symmetry.py`), where the skin is its own.
 """
 
 from __future__ import annotations
@@ -13,7 +14,8 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES, N_JOINTS
+from halfphysics.body.symmetry import FLIP, Symmetry
+from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES, MIRRORED, N_JOINTS
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -79,33 +81,25 @@ def _pitches() -> Array:
 
 
 def _made(body: Body) -> SkinSamples:
-    from scipy.spatial import cKDTree
-
     rest = body.rest_vertices
     area, way = vertex_areas(rest, body.faces)
     unit = way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-300)
     part = body.weights.argmax(axis=1)
-    # What can touch: the vertices that the hulls of the skin have.
-    able = np.zeros(len(rest), dtype=bool)
-    able[body.skin_corners.vertex] = True
-    pitch = _pitches()
-    chosen_of = np.zeros(len(rest), dtype=np.int64)
-    for k in np.unique(part):
-        own = np.flatnonzero((part == k) & (area > 0.0))
-        some = own[able[own]]
-        if not len(own):
-            continue
-        some = some if len(some) else own
-        # Six more coordinates keep the two sides of something thin apart.
-        where = np.concatenate([rest, 2.0 * pitch[k] * unit], axis=1)
-        some = some[_apart(where[some], pitch[k])]
-        chosen_of[own] = some[cKDTree(where[some]).query(where[own])[1]]
+    symmetry = body.symmetry
+    if symmetry is not None and (part[symmetry.vertex] != MIRRORED[part]).any():
+        symmetry = None
+    chosen_of = _chosen(body, area, unit, part, symmetry)
     used = np.flatnonzero(area > 0.0)
     vertex, group = np.unique(chosen_of[used], return_inverse=True)
     total: Array = np.bincount(group, area[used], len(vertex)).astype(np.float64)
     normal: Array = np.zeros((len(vertex), 3))
     for k in range(3):
         normal[:, k] = np.bincount(group, way[used, k], len(vertex))
+    if symmetry is not None and symmetry.is_exact(rest):
+        # What lies between two samples of the middle is both's.
+        other = _partners(vertex, symmetry.vertex)
+        total = 0.5 * (total + total[other])
+        normal = 0.5 * (normal + normal[other] * FLIP)
     short = np.linalg.norm(normal, axis=1) < 1e-3 * total
     normal[short] = unit[vertex[short]]
     order = np.lexsort((vertex, part[vertex]))
@@ -118,15 +112,63 @@ def _made(body: Body) -> SkinSamples:
     )
 
 
-def _apart(points: Array, pitch: float) -> NDArray[np.int64]:
-    """Indices of points (n, d), in their order, none within `pitch` of one before it."""
+def _chosen(
+    body: Body, area: Array, unit: Array, part: NDArray[np.int64], symmetry: Symmetry | None
+) -> NDArray[np.int64]:
+    """Of each vertex its sample (V,); of a vertex without area any."""
+    from scipy.spatial import cKDTree
+
+    rest, pitch = body.rest_vertices, _pitches()
+    image = np.arange(len(rest)) if symmetry is None else symmetry.vertex
+    # What can touch: the vertices that the hulls of the skin have.
+    able = np.zeros(len(rest), dtype=bool)
+    able[body.skin_corners.vertex] = True
+    able |= able[image]
+    chosen_of = np.zeros(len(rest), dtype=np.int64)
+    for k in np.unique(part):
+        if symmetry is not None and MIRRORED[k] < k:
+            continue  # as on the left
+        own = np.flatnonzero((part == k) & (area > 0.0))
+        some = own[able[own]]
+        if not len(own):
+            continue
+        some = some if len(some) else own
+        # Six more coordinates keep the two sides of something thin apart.
+        where = np.concatenate([rest, 2.0 * pitch[k] * unit], axis=1)
+        middle = symmetry is not None and MIRRORED[k] == k
+        some = some[_apart(where[some], pitch[k], _partners(some, image) if middle else None)]
+        chosen_of[own] = some[cKDTree(where[some]).query(where[own])[1]]
+        if symmetry is not None and not middle:
+            chosen_of[image[own]] = image[chosen_of[own]]
+    return chosen_of
+
+
+def _partners(vertex: NDArray[np.int64], image: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Of each vertex, ascending (n,), where its mirror image is among them."""
+    found: NDArray[np.int64] = np.searchsorted(vertex, image[vertex])
+    return found
+
+
+def _apart(
+    points: Array, pitch: float, partner: NDArray[np.int64] | None = None
+) -> NDArray[np.int64]:
+    """Indices of points (n, d), in their order, none within `pitch` of one before it.
+
+    With partners (n,) those of what is kept are kept too, what is its own partner first. What is
+    too near to its partner is left out.
+    """
     from scipy.spatial import cKDTree
 
     near = cKDTree(points).query_ball_point(points, pitch)
     free = np.ones(len(points), dtype=bool)
     kept = []
-    for i in range(len(points)):
-        if free[i]:
-            kept.append(i)
-            free[near[i]] = False
+    order = np.arange(len(points))
+    if partner is not None:
+        order = np.argsort(partner != order, kind="stable")
+    for i in order.tolist():
+        j = i if partner is None else int(partner[i])
+        if not free[i] or (j != i and j in near[i]):
+            continue
+        kept += [i] if i == j else [i, j]
+        free[near[i]] = free[near[j]] = False
     return np.array(kept, dtype=np.int64)

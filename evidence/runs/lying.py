@@ -10,8 +10,10 @@ from evidence.interface_pressures import MIDDLE
 from evidence.model import Outcome
 from evidence.runs import playing
 from halfphysics.bench.soft import BED, SEAT, story
+from halfphysics.motion.motion import Motion
 from halfphysics.motion.skeleton import JOINT_INDEX
 from halfphysics.results.layer_pressure import SHOWN
+from halfphysics.simulation.sequence import Sequence
 
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
@@ -20,14 +22,28 @@ if TYPE_CHECKING:
 PELVIS = ("pelvis", "left_hip", "right_hip")
 HEELS = ("left_ankle", "right_ankle", "left_foot", "right_foot")
 BACK = ("spine2", "spine3", "left_collar", "right_collar", "left_shoulder", "right_shoulder")
+#: How long the last pose is held before anything is measured [s]: foam comes to rest in half of it.
+HELD = 1.5
 #: Frames at the end over which forces and pressures are averaged.
 LAST = 5
 
 
 def measure(posture: str) -> Outcome:
     """Lie or sit down, and measure the last frames."""
-    result = playing.run(story(BED if posture == "lying" else SEAT), {})
+    told = story(BED if posture == "lying" else SEAT)
+    told = Sequence(held(told.motions[0]), told.scene, told.bodies[0])
+    result = playing.run(told, {})
     return Outcome(values=lying(result) if posture == "lying" else sitting(result))
+
+
+def held(motion: Motion) -> Motion:
+    """A motion whose last pose is held for `HELD` more: it comes to rest."""
+    more = round(HELD * motion.fps)
+    translation, rotations = (
+        np.concatenate([values, np.repeat(values[-1:], more, axis=0)])
+        for values in (motion.translation, motion.rotations)
+    )
+    return motion.with_frames(translation, rotations)
 
 
 def lying(result: Result) -> dict[str, float]:

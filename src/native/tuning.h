@@ -977,10 +977,18 @@ constexpr double kSeatShare = 0.5, kLeastLayerShare = 0.01;
 // Firmness of the joints of the legs of somebody whom layers carry, who bears the weight on them: at 1 ankles on a
 // mattress give way by 30 degrees, at 30 by 2.
 constexpr double kLegFirmness = 30;
-// Rate of the spring that turns the root of somebody who lies on layers back to the motion [rad/s]: some 250 N m/rad,
-// where a mattress has 14,000. Who lies has this share of the weight on layers, and a pelvis whose axis has no more than
-// the last of the vertical.
-constexpr double kLyingRate = 5, kLiesShare = 0.9, kLiesFlat = 0.5;
+// Somebody on layers rests whose root moves slower than this, and moves from the other speed on [m/s]; a turn counts at
+// this distance [m]. How fast that comes to be [s].
+constexpr double kRestsOnLayers = 0.05, kMovesOnLayers = 0.15, kTurnArm = 0.3, kComesToRest = 0.2;
+// Rate of the spring that turns the root of somebody who rests on layers back to the motion [rad/s]. Lying, nothing
+// supplies it: some 40 N m/rad, where a mattress has 14,000; at 5 the centre of pressure stays 2 cm off. Seated, feet on
+// the ground do: at 11 a person on a sofa leaves 86 % of the weight on seat and rest, at 5 79 %; people 69 to 81.
+constexpr double kLyingRate = 2, kSeatedRate = 5;
+// Who has no feet on the ground turns freely if no more of the pelvis' axis than the first of these is vertical, and not at
+// all from the other on.
+constexpr double kLiesFlat = 0.5, kSitsUp = 0.7;
+// Feet are no nearer to below the centre of mass than this, as levers [m], and carry no more of the weight of who sits.
+constexpr double kLeastLever = 0.1, kMostOnFeet = 0.5;
 // Rate at which a person who rests on layers loses velocity off its motion, up or down [1/s]: what muscles and flesh
 // damp, some 0.3 of the critical on a mattress. At 100, as the drive has it, sinking takes seconds.
 constexpr double kLayerDamping = 10;

@@ -38,6 +38,8 @@ struct Inertia {
   void rows(const Model& m, const Model::Tree& tree, std::vector<double>& M) const;
 
   const Composite& of(int body) const { return own_[body]; }
+  // With all that hangs on it.
+  const Composite& carried(int body) const { return composite_[body]; }
   const std::vector<Twist>& axes() const { return axes_; }  // per dof, at the pose
 
  private:

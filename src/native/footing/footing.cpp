@@ -200,11 +200,21 @@ void Footing::find_bearing(const Model& m, const CollisionWorld& world, Vec3 dis
     if (m.pushed_dof(body) < 0 || stance_.own()[body]) p.shape = -1;
   };
   size_t i = 0;
+  double limp = 0;  // share of the weight that hangs on the feet if legs do nothing
   const Vec3 whole{displaced.x, displaced.y, height_ + std::max(0.0, displaced.z)};
-  for (size_t f = 0; f < under_.feet.size(); f++)
-    for (size_t n = 0; n < model->legs[f].sole.size(); n++, i++)
+  for (size_t f = 0; f < under_.feet.size(); f++) {
+    const Leg& leg = model->legs[f];
+    double best = 0;
+    for (size_t n = 0; n < leg.sole.size(); n++, i++) {
       carries(i, whole + footwork_.offset(f) + Vec3{0, 0, lift_[f] + footwork_.raised(f)},
               stance_.low[i]);
+      best = std::max(best, bearing.points[i].carries);
+    }
+    limp += best *
+            (0.5 * m.mass[leg.hip] + m.mass[leg.knee] + m.mass[leg.ankle] + m.mass[leg.toes]) /
+            m.carried[leg.root];
+  }
+  const size_t soles = i;
   for (; i < stance_.points.size(); i++) carries(i, whole, 1);
   Vec3 centre;
   double mass = 0;
@@ -214,7 +224,7 @@ void Footing::find_bearing(const Model& m, const CollisionWorld& world, Vec3 dis
     mass += m.mass[b];
   }
   centre = (1 / mass) * centre + whole;
-  layers.aim(bearing.points, centre, sits());
+  layers.aim(bearing.points, soles, limp, centre, sits());
   bearing.aim(centre, 1 - layers.share());
 }
 

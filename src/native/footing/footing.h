@@ -69,6 +69,8 @@ class Footing {
              double* qpos);
   // Nothing is known of the person; after start(): it starts as asked instead.
   void clear();
+  // How much higher than in the motion it is put [m].
+  double height() const { return height_; }
   // The person is so much higher than where it was put, and something holds it there [m].
   void raise(double by) { height_ += by, rising_ = 0; }
   struct Frame {

@@ -26,9 +26,26 @@ class OnLayers {
   // The share of the weight that they are to carry now; 0 if they do not.
   double share() const { return carry_ ? share_ : 0; }
 
-  // A frame begins with what else could carry it, a person whose centre of mass is over `centre`; `sits`: skin
-  // but the feet's is at rest on something.
-  void aim(const std::vector<BearingPoint>& others, Vec3 centre, bool sits);
+  // How much of the balance is that of somebody who rests: 0 while the root moves, 1 once it is still.
+  double rest() const { return carry_ ? rest_ : 0; }
+  // What stands on hard ground beside them: feet, and nothing else.
+  struct Feet {
+    bool on = false;
+    Vec3 centre;         // of their soles [m]
+    double breadth = 0;  // half of what they span, seen from the centre of mass [m]
+    double legs = 0;     // share of the weight that hangs on them, if legs do nothing
+  };
+  const Feet& feet() const { return feet_; }
+
+  // A frame begins with what else could carry it, a person whose centre of mass is over `centre`: of these points
+  // the first `soles` are feet's, and `legs` is the share of the weight that rests on them of legs that do nothing.
+  // `sits`: skin but the feet's is at rest on something.
+  void aim(const std::vector<BearingPoint>& others, size_t soles, double legs, Vec3 centre,
+           bool sits);
+  // The frame, of length dt [s], moves the root at `speed` [m/s]; only who sits or lies rests.
+  void move(double speed, bool sits, double dt);
+  // Of who rests feet are to carry this share of the weight.
+  void feet_carry(double share) { feet_share_ = share; }
   // Time `h` [s] passes.
   void advance(double h);
   // In a frame of length dt [s] layers have pressed with so much of the person's weight, at `centre`.
@@ -39,10 +56,15 @@ class OnLayers {
   const double* restore(const double* in);
 
  private:
+  static Feet find_feet(const std::vector<BearingPoint>& points, size_t soles, double legs,
+                        Vec3 centre);
+
   bool carry_ = false;
   double share_ = 0, target_ = 0;  // of the weight
   double pressed_ = 0;             // what they carry, in the person's weight, smoothed
   Vec3 centre_;                    // of their pressure, smoothed [m]
+  double rest_ = 0, feet_share_ = 0;
+  Feet feet_;
 };
 
 }  // namespace hp

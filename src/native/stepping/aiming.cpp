@@ -61,6 +61,14 @@ void yield(const System& system, Drive& d) {
   d.yields[0] = tune::kYieldTurn;
 }
 
+// How fast a frame towards `target` moves the root [m/s]: a turn counts at kTurnArm.
+double root_speed(const Drive& d, const double* target, double dt) {
+  const double* before = d.motion.target().data();
+  const int turn = d.balls()[0].qpos;
+  const double way = norm(load3(target) + Vec3{0, 0, d.footing.height()} - load3(before));
+  return (way + tune::kTurnArm * norm(rotation_between(before + turn, target + turn))) / dt;
+}
+
 }  // namespace
 
 // The collision world starts again, as in Stepper::reset().
@@ -145,7 +153,9 @@ void Aiming::begin(System& system, Data& data, const double* targets, double dt)
     const double* target =
         d.clock.advance(d, targets, dt, behind, touched(d), stands, d.footing.way.on());
     targets += d.qpos_count();
-    d.motion.eager = d.clock.eager() * d.footing.pace(-displaced);
+    if (d.footing.on()) d.footing.layers.move(root_speed(d, target, dt), d.sits, dt);
+    // Who rests on layers stays where they hold it.
+    d.motion.eager = d.clock.eager() * d.footing.pace(-displaced) * (1 - d.footing.layers.rest());
     yield(system, d);
     if (d.footing.on()) {
       go_round(system, d, state.qpos.data(), target, dt);

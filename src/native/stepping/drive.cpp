@@ -170,7 +170,7 @@ Drive::Ahead Drive::ahead(const DriveSettings& s, const double* target, double d
   const Quat before = motion.after(root), after = load4(target + root.qpos);
   Vec3 off = log_quat(conjugate(before) * load4(qpos + first_qpos() + root.qpos)), drift;
   const bool turned = norm(off) >= tune::kSettledAngle;
-  const double rate = return_rate(*this, s, 0);
+  const double rate = (1 - footing.layers.rest()) * return_rate(*this, s, 0);
   if (s.time_constant == 0) {
     if (turned) off = std::max(0.0, 1 - dt * rate / norm(off)) * off;
   } else {
@@ -189,17 +189,6 @@ Drive::Ahead Drive::ahead(const DriveSettings& s, const double* target, double d
   return {turned ? turn : Quat{}, {drift.x, drift.y, up}};
 }
 
-namespace {
-
-// Who lies on layers is turned by them, until their pressures balance the weight.
-bool lies_on_layers(const Drive& d, const double* q) {
-  if (!d.sits || d.footing.layers.share() < tuning::footing::kLiesShare) return false;
-  const Vec3 up = to_matrix(load4(q + d.balls()[0].qpos)).col(1);
-  return std::fabs(up.z) < tuning::footing::kLiesFlat;
-}
-
-}  // namespace
-
 // v* with a time constant.
 void Drive::spring_velocity(const DriveSettings& s, int k, double h, const double* q,
                             double* v) const {
@@ -214,11 +203,6 @@ void Drive::spring_velocity(const DriveSettings& s, int k, double h, const doubl
     const Vec3 xi = capped(log_quat(conjugate(ref) * load4(q + b.qpos)), most);
     const Vec3 e = load3(&deviation_[b.dof]) - (h / (tau * tau)) * xi;
     store3(v + b.dof, load3(&v_ref_[b.dof]) + (1 / sc) * e);
-    if (i > 0 || !lies_on_layers(*this, q)) continue;
-    const double rate = tuning::footing::kLyingRate;
-    const double keeps = elementary::exp(-tuning::footing::kLayerDamping * h);
-    store3(v + b.dof,
-           load3(&v_ref_[b.dof]) + keeps * load3(&deviation_[b.dof]) - (h * rate * rate / sc) * xi);
   }
 }
 

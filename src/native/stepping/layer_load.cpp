@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "stepping/layer_balance.h"
 #include "tuning.h"
 
 namespace hp {
@@ -23,32 +24,13 @@ double layer_fall(const System& system, const Drive& d, double h) {
   return h * d.footing.layers.share() * norm(system.gravity) / d.scale(system.drive_settings, h);
 }
 
-namespace {
-
-// (M x)_z / m - x_z: the momentum that the drive of joints makes, per mass [m/s].
-double from_nowhere(const System& system, Data& data, const Drive& d) {
-  std::vector<double> change(system.model.nv, 0), momentum(system.model.nv, 0);
-  d.unhindered(change.data());
-  const int first = d.first_dof();
-  double most = 0;
-  for (int i = first; i < first + d.dof_count(); i++) {
-    change[i] = data.step.v_free[i] - change[i];
-    most = std::max(most, std::fabs(change[i]));
-  }
-  if (most < tuning::stepping::kVelocityRounding) return 0;
-  data.inertia.compose(system, data.state);
-  data.inertia.multiply(system, d, change.data(), momentum.data());
-  return momentum[first + 2] / system.model.carried[d.body(0)] - change[first + 2];
-}
-
-}  // namespace
-
 void add_layer_load(System& system, Data& data, double h) {
   Step& step = data.step;
   for (Drive& d : system.drives) {
     if (!system.active(d) || !d.footing.on() || !d.footing.layers.carry()) continue;
+    balance_on_layers(system, data, d, h);
     d.footing.layers.advance(h);
-    const double fall = layer_fall(system, d, h) + from_nowhere(system, data, d);
+    const double fall = layer_fall(system, d, h);
     const int up = d.first_dof() + 2;
     step.v_free[up] -= fall;
     if (step.load.empty()) step.load.assign(system.model.nv, 0);

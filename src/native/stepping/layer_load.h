@@ -9,10 +9,7 @@
 //
 // so that layers carry w m (g + a), a the motion's acceleration: who lands on them sinks deeper than who stands.
 // With M^ = s (M + ...) the last term is exactly the generalised force w M e_z g of gravity, on limbs too. What drives
-// joints is made to be internal: as v* has it, a joint that is pulled back takes the momentum from nowhere, so the
-// root's v*_z also gets what makes that sum zero, with x = v* - v_ref - e:
-//
-//   v*_z -= (M x)_z / m - x_z
+// joints takes no momentum from nowhere, and who rests is turned and shifted by layers and feet alone (layer_balance.h).
 //
 // At rest e = 0 and v = 0: then M^ (0 - v*) = sum J^T p, and the normal forces of the layers sum to w m g, whatever
 // their laws, the frame rate or the substeps.

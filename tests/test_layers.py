@@ -108,8 +108,8 @@ BACK = {
     ("results.result", "formats.results.result_writer"): "Result.save",
     ("results.result", "metrics.result_report"): "Result.summary",
     ("results.result", "metrics.part_report"): "Result.parts",
-    ("results.result", "support.estimate"): "PersonResult.support",
-    ("results.result", "support.support"): "the type of PersonResult.support",
+    ("results.person_result", "support.estimate"): "PersonResult.support",
+    ("results.person_result", "support.support"): "the type of PersonResult.support",
     ("formats.saving", "writers"): "Motion.save names what hp.export writes instead",
 }
 

@@ -25,7 +25,7 @@ PYTHON_ONLY = {
     "metrics/sequences.py": "reports of the caller",
     "mujoco/": "a world of the caller",
     "results/dataset.py": "Result.to_xarray",
-    "results/result.py": "a person that was taken out of its result",
+    "results/person_result.py": "a person that was taken out of its result",
     "simulation/holding.py": "Simulator.attach",
     "simulation/live_edits.py": "changes of a running Simulator",
     "simulation/simulate_many.py": "jobs of the caller",

@@ -183,10 +183,22 @@ void ContactProblem::iterate(double tolerance, double fine, int most, SolveRepor
   int stalled = 0;
   double last = 1e300;
   const int all = at.most;
+  if (size() > 1 && size() <= tune::kEvenContacts && !rests && at.goes_on(report.residual)) {
+    // Newton steps take left and right alike, sweeps take the first contacts first. Steps that do not reach the
+    // tolerance are undone.
+    const std::vector<double> before = p;
+    at.most = std::min(all, tune::kFinePatience);
+    newton_round(at, report);
+    at.most = all;
+    if (report.residual >= tolerance) {
+      p = before, at.done = 0;
+      product();
+      judge(at, report);
+    }
+  }
   while (at.goes_on(report.residual)) {
     if (!rests && at.goal < tolerance) at.most = std::min(all, tune::kFinePatience);
-    // Sweeps take the first contacts first; Newton steps take left and right alike, if they settle it.
-    if (size() == 1 || size() > tune::kFewContacts || at.done > 0) sweep_round(at, report);
+    sweep_round(at, report);
     newton_round(at, report);
     at.most = all;
     if (report.residual < tune::kRoundProgress * last)

@@ -14,7 +14,7 @@
 //   1. block sweeps (Gauss-Seidel): each contact in turn is solved exactly (coulomb.h), the contacts
 //      of one pair among themselves first. Sweeps find which contacts carry and which slip;
 //   2. damped Newton steps, which then end it: see newton.cpp.
-// Up to kFewContacts contacts Newton steps come first. A sweep leaves those that it solves first something
+// Up to kEvenContacts contacts Newton steps are tried first. A sweep leaves those that it solves first something
 // else than those that it solves last, within the tolerance, and what it leaves grows: mirrored, where left
 // and right come in the other order, people who lie or sit on two points ended 0.7 mm elsewhere.
 // Friction on redundant contacts may be slow to settle, and near jamming the merit has valleys that

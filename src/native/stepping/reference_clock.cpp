@@ -24,6 +24,8 @@ void ReferenceClock::brake(const Situation& now, Vec3 velocity, double before, d
   if (goes && braking_ > 0) {
     const double least = now.stands ? 0 : tune::kSlowest;
     rate_ = std::min(rate_, std::max(least, before - now.brakes * dt / speed));
+    waited_ += (1 - rate_) * dt;
+    impatient_ = waited_ > tune::kPatience;
   }
   braking_ = std::max(0.0, braking_ - dt);
 }
@@ -39,7 +41,7 @@ void ReferenceClock::decide(const Situation& now, double dt) {
   const double most_eager = eager_ + tune::kSpeedUp * dt;
   untouched_ = now.touched ? 0 : untouched_ + dt;
   rate_ = std::min(1.0, most), eager_ = std::min(1.0, most_eager);
-  if (behind < tune::kBehind) impatient_ = false, waited_ = 0;
+  if (behind < tune::kBehind && before >= 1) impatient_ = false, waited_ = 0;
   if (behind >= tune::kBehind && now.round) impatient_ = true;
   const double late = lag();
   if (behind < tune::kBehind && !now.touched && late > tune::kLate)

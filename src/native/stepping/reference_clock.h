@@ -24,7 +24,9 @@
 //
 //   rate -= a dt / |v|     (v: velocity of the reference along the ground)
 //
-// so that the body keeps up with its reference, and the trunk does not run into what a leg has met.
+// so that the body keeps up with its reference, and the trunk does not run into what a leg has met. It ends as soon as
+// nothing touches the person, and counts as waiting until the clock is at its pace again: who brakes again and again
+// before the same thing goes on, and round it.
 //
 // A clock that slows down takes velocity from the motion, and not from the body: it has its momentum until
 // something outside takes it. The drive keeps what the root loses, slowed() of its velocity, as deviation

@@ -74,7 +74,9 @@ def test_a_clock_that_slows_down_throws_nobody_back(x):
     result = hp.simulate(
         walk(), room(wall=(WALL["wall"][0], (x, 0.0, 1.25))), body=BODY, settings=STANDS_FIRM
     )
-    way = result.motion.translation[:, 0]
+    # Until its patience ends: who then goes on against the wall is another matter.
+    waits = np.flatnonzero(np.diff(result.clock) * result.fps < 0.1)
+    way = result.motion.translation[: waits[-1] + 1, 0]
     assert (np.maximum.accumulate(way) - way).max() < 0.15
     back = -np.diff(way).min() * result.fps
     assert back < 0.7  # [m/s]; it walked at 1.2

@@ -987,9 +987,6 @@ constexpr double kLayerDamping = 10;
 // The clock of a person slows down from the first distance behind its path on and stops at the second
 // [m]: a few centimetres are what bodies give, and recovery takes back.
 constexpr double kBehind = 0.04, kBlocked = 0.12;
-// Who meets more than its feet transmit brakes for so long [s]: as long as they take to stop a walk of 1.2 m/s, and
-// a little more. With 0.2 s the trunk still runs into what a leg has met (feet slide by 0.54 mm a frame instead of 0.47).
-constexpr double kBrakes = 0.4;
 // A reference slower than this goes nowhere [m/s].
 constexpr double kStill = 0.1;
 // Rate of a clock that is to stop while the motion flies.

@@ -142,13 +142,8 @@ void Aiming::begin(System& system, Data& data, const double* targets, double dt)
     const bool stands = !d.footing.on() || !d.footing.flies();
     // Who sits or lies is held by what is under it, not blocked on its way.
     const Vec3 behind = d.sits ? Vec3{} : displaced;
-    ReferenceClock::Situation now{behind, touched(d), stands, d.footing.way.on()};
-    if (d.footing.on() && !d.sits) {
-      const double mass = system.model.carried[d.body(0)];
-      now.pushed = (1 / (mass * dt)) * d.pushed;
-      now.brakes = tune::kPush * norm(system.gravity);
-    }
-    const double* target = d.clock.advance(d, targets, dt, now);
+    const double* target =
+        d.clock.advance(d, targets, dt, behind, touched(d), stands, d.footing.way.on());
     targets += d.qpos_count();
     d.motion.eager = d.clock.eager() * d.footing.pace(-displaced);
     yield(system, d);
@@ -187,15 +182,11 @@ void Aiming::place_feet(System& system, State& state, Drive& d, const double* as
 
 void Aiming::end(System& system, const FrameResult& result) {
   std::vector<char> carried(system.model.nbody, 0);
-  std::vector<Vec3> pushed(system.model.nbody);
   auto look = [&](int shape, Vec3 impulse) {
-    if (shape < 0) return;
-    const int tree = system.tree(shape);
-    pushed[tree] += impulse;
-    if (impulse.z > tune::kHeldUp * norm(impulse)) carried[tree] = 1;
+    if (shape >= 0 && impulse.z > tune::kHeldUp * norm(impulse)) carried[system.tree(shape)] = 1;
   };
   for (const Touch& t : result.touches) look(t.shape, t.impulse), look(t.other_shape, -t.impulse);
-  for (Drive& d : system.drives) d.carried = carried[d.body(0)], d.pushed = pushed[d.body(0)];
+  for (Drive& d : system.drives) d.carried = carried[d.body(0)];
 }
 
 }  // namespace hp

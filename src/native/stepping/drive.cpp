@@ -24,7 +24,6 @@ void Drive::reset(const double* target, double* qvel) {
   std::fill(lately_.begin(), lately_.end(), 0.0);
   exact_ = true;
   carried = sits = false;
-  pushed = {};
   gentle_return.stop();
 }
 
@@ -278,7 +277,7 @@ void Drive::save(std::vector<double>& out) const {
     out.insert(out.end(), v->begin(), v->end());
   out.insert(out.end(), {(exact_ ? 1.0 : 0.0) + (motion.fresh() ? 2.0 : 0.0) +
                              (carried ? 4.0 : 0.0) + (sits ? 8.0 : 0.0),
-                         gentle_return.left(), pushed.x, pushed.y, pushed.z});
+                         gentle_return.left()});
   footing.save(out);
   clock.save(out);
 }
@@ -297,7 +296,6 @@ const double* Drive::load(const double* in) {
   sits = (flags & 8) != 0;
   q_start_ = motion.target();
   gentle_return.restore(*in++);
-  pushed = load3(in), in += 3;
   in = footing.load(in);
   clock.reset(*this, target);
   in = clock.load(*this, in);

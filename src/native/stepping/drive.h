@@ -80,8 +80,6 @@ class Drive : public PersonDofs {
   std::vector<JointRange> ranges;
   // Contacts of the last frame held it up.
   bool carried = false;
-  // Impulse of all contacts with anything else in the last frame [N s].
-  Vec3 pushed;
   // It sits or lies: skin but the feet's has been at rest on something, and contacts hold it up since.
   bool sits = false;
   // In their place the force on the root of somebody with a footing, by what it stands on.

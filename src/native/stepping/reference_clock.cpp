@@ -9,54 +9,33 @@ namespace tune = tuning::footing;
 void ReferenceClock::reset(const PersonDofs& dofs, const double* target) {
   reached_.assign(target, target + dofs.qpos_count());
   ahead_.clear();
-  waited_ = passed_ = untouched_ = slowed_ = braking_ = 0;
+  waited_ = passed_ = untouched_ = slowed_ = 0;
   rate_ = eager_ = 1;
   impatient_ = false;
 }
 
-// Who has met more than its feet transmit slows down as fast as these can, for a while. `velocity`: of the
-// reference along the ground [m/s]. After the rate is known that it may have otherwise.
-void ReferenceClock::brake(const Situation& now, Vec3 velocity, double before, double dt) {
-  const double speed = norm(velocity);
-  const bool goes = speed > tune::kStill && now.brakes > 0 && !impatient_ && !now.round;
-  if (goes && -dot(now.pushed, velocity) > now.brakes * speed) braking_ = tune::kBrakes;
-  if (!now.touched) braking_ = 0;  // what was met has gone on
-  if (goes && braking_ > 0) {
-    const double least = now.stands ? 0 : tune::kSlowest;
-    rate_ = std::min(rate_, std::max(least, before - now.brakes * dt / speed));
-    waited_ += (1 - rate_) * dt;
-    impatient_ = waited_ > tune::kPatience;
-  }
-  braking_ = std::max(0.0, braking_ - dt);
-}
-
 // The rate of the clock in the next dt, and at which share of its pace the person goes back to its path.
-void ReferenceClock::decide(const Situation& now, double dt) {
+void ReferenceClock::decide(Vec3 displaced, bool touched, bool stands, bool round, double dt) {
   const Asked& next = ahead_.front();
   Vec3 way = load3(next.qpos.data()) - load3(reached_.data());
   way.z = 0;
   const double length = norm(way), speed = length / next.time;
-  const double behind = speed > tune::kStill ? -dot(now.displaced, way) / length : 0;
-  const double before = rate_, most = rate_ + tune::kSpeedUp * dt;
-  const double most_eager = eager_ + tune::kSpeedUp * dt;
-  untouched_ = now.touched ? 0 : untouched_ + dt;
+  const double behind = speed > tune::kStill ? -dot(displaced, way) / length : 0;
+  const double most = rate_ + tune::kSpeedUp * dt, most_eager = eager_ + tune::kSpeedUp * dt;
+  untouched_ = touched ? 0 : untouched_ + dt;
   rate_ = std::min(1.0, most), eager_ = std::min(1.0, most_eager);
-  if (behind < tune::kBehind && before >= 1) impatient_ = false, waited_ = 0;
-  if (behind >= tune::kBehind && now.round) impatient_ = true;
+  if (behind < tune::kBehind) impatient_ = false, waited_ = 0;
+  if (behind >= tune::kBehind && round) impatient_ = true;
   const double late = lag();
-  if (behind < tune::kBehind && !now.touched && late > tune::kLate)
+  if (behind < tune::kBehind && !touched && late > tune::kLate)
     rate_ = std::min(tune::kCatchUp, most);
-  const bool blocked = behind >= tune::kBehind && (now.touched || waited_ > 0) && !impatient_;
-  if (blocked) {
-    const double share =
-        std::max(0.0, (tune::kBlocked - behind) / (tune::kBlocked - tune::kBehind));
-    waited_ += (1 - share) * dt;
-    impatient_ = waited_ > tune::kPatience;
-    if (untouched_ < tune::kTriesAgain) eager_ = std::min(share, most_eager);
-    rate_ = std::min(now.stands ? share : std::max(share, tune::kSlowest), most);
-  }
-  brake(now, (1 / next.time) * way, before, dt);
-  if (blocked || braking_ > 0) rate_ = std::max(rate_, std::min(1.0, late - (tune::kLatest - 1)));
+  if (behind < tune::kBehind || (!touched && waited_ == 0) || impatient_) return;
+  const double share = std::max(0.0, (tune::kBlocked - behind) / (tune::kBlocked - tune::kBehind));
+  waited_ += (1 - share) * dt;
+  impatient_ = waited_ > tune::kPatience;
+  if (untouched_ < tune::kTriesAgain) eager_ = std::min(share, most_eager);
+  rate_ = std::min(stands ? share : std::max(share, tune::kSlowest), most);
+  rate_ = std::max(rate_, std::min(1.0, late - (tune::kLatest - 1)));
 }
 
 void ReferenceClock::move_on(const PersonDofs& dofs, double time) {
@@ -81,13 +60,13 @@ void ReferenceClock::move_on(const PersonDofs& dofs, double time) {
 }
 
 const double* ReferenceClock::advance(const PersonDofs& dofs, const double* target, double dt,
-                                      const Situation& situation) {
+                                      Vec3 displaced, bool touched, bool stands, bool round) {
   passed_ = dt;
   slowed_ = 0;
   if (!on) return target;
   ahead_.push_back({{target, target + dofs.qpos_count()}, dt});
   const double before = rate_;
-  decide(situation, dt);
+  decide(displaced, touched, stands, round, dt);
   if (rate_ < before) slowed_ = 1 - rate_ / before;
   passed_ = dt * rate_;
   move_on(dofs, passed_);
@@ -105,7 +84,7 @@ void ReferenceClock::save(std::vector<double>& out) const {
   if (!on) return;
   out.insert(out.end(), reached_.begin(), reached_.end());
   out.insert(out.end(), {(double)ahead_.size(), waited_, passed_, untouched_, rate_, eager_,
-                         impatient_ ? 1.0 : 0.0, braking_});
+                         impatient_ ? 1.0 : 0.0});
   for (const Asked& a : ahead_) {
     out.push_back(a.time);
     out.insert(out.end(), a.qpos.begin(), a.qpos.end());
@@ -119,8 +98,8 @@ const double* ReferenceClock::load(const PersonDofs& dofs, const double* in) {
   in += dofs.qpos_count();
   const size_t count = (size_t)in[0];
   waited_ = in[1], passed_ = in[2], untouched_ = in[3];
-  rate_ = in[4], eager_ = in[5], impatient_ = in[6] != 0, braking_ = in[7];
-  in += 8;
+  rate_ = in[4], eager_ = in[5], impatient_ = in[6] != 0;
+  in += 7;
   for (size_t i = 0; i < count; i++, in += dofs.qpos_count() + 1)
     ahead_.push_back({{in + 1, in + 1 + dofs.qpos_count()}, in[0]});
   return in;

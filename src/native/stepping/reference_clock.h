@@ -19,15 +19,6 @@
 //
 // So no pose is left out, and none waits for longer than kLatest.
 //
-// Who meets something brakes before the body is held up: where contacts oppose its way with more than its feet
-// transmit (a, an acceleration), the clock slows down as fast as feet can slow the body, for kBrakes:
-//
-//   rate -= a dt / |v|     (v: velocity of the reference along the ground)
-//
-// so that the body keeps up with its reference, and the trunk does not run into what a leg has met. It ends as soon as
-// nothing touches the person, and counts as waiting until the clock is at its pace again: who brakes again and again
-// before the same thing goes on, and round it.
-//
 // A clock that slows down takes velocity from the motion, and not from the body: it has its momentum until
 // something outside takes it. The drive keeps what the root loses, slowed() of its velocity, as deviation
 // (Drive::begin_frame); joints, whose muscles are inside, slow down with the clock.
@@ -43,21 +34,13 @@ class ReferenceClock {
  public:
   bool on = false;
 
-  // What the clock is told of the person in a frame.
-  struct Situation {
-    Vec3 displaced;        // of the root from its path [m]
-    bool touched = false;  // something touches it
-    bool stands = true;    // it could stop in the pose that it is in
-    bool round = false;    // it is on its way round something, and does not wait
-    Vec3 pushed;           // what contacts did to its velocity in the last frame [m/s^2]
-    double brakes = 0;     // what its feet can do to it [m/s^2]; 0: they do not brake
-  };
-
   // Nothing lags; the person is at `target`, its qpos.
   void reset(const PersonDofs& dofs, const double* target);
-  // Time dt passes and `target` is asked for at its end. Returns the pose to aim at.
-  const double* advance(const PersonDofs& dofs, const double* target, double dt,
-                        const Situation& situation);
+  // Time dt passes and `target` is asked for at its end. Returns the pose to aim at. `displaced`: of
+  // the root from its path [m]; `touched`: something touches the person; `stands`: it could stop in the
+  // pose that it is in; `round`: it is on its way round something, and does not wait.
+  const double* advance(const PersonDofs& dofs, const double* target, double dt, Vec3 displaced,
+                        bool touched, bool stands, bool round);
   // How far the reference is behind [s], and how much of its time has passed in this frame [s].
   double lag() const;
   double passed() const { return passed_; }
@@ -78,15 +61,13 @@ class ReferenceClock {
     std::vector<double> qpos;
     double time;  // from the pose before it [s]
   };
-  void decide(const Situation& situation, double dt);
-  void brake(const Situation& situation, Vec3 velocity, double before, double dt);
+  void decide(Vec3 displaced, bool touched, bool stands, bool round, double dt);
   void move_on(const PersonDofs& dofs, double time);
 
   std::vector<double> reached_;
   std::deque<Asked> ahead_;
   double waited_ = 0, passed_ = 0, untouched_ = 0, rate_ = 1, eager_ = 1;
-  double braking_ = 0;  // for so long [s]
-  double slowed_ = 0;   // of the frame under way
+  double slowed_ = 0;  // of the frame under way
   bool impatient_ = false;
 };
 

@@ -74,9 +74,7 @@ def test_a_clock_that_slows_down_throws_nobody_back(x):
     result = hp.simulate(
         walk(), room(wall=(WALL["wall"][0], (x, 0.0, 1.25))), body=BODY, settings=STANDS_FIRM
     )
-    # Until its patience ends: who then goes on against the wall is another matter.
-    waits = np.flatnonzero(np.diff(result.clock) * result.fps < 0.1)
-    way = result.motion.translation[: waits[-1] + 1, 0]
+    way = result.motion.translation[:, 0]
     assert (np.maximum.accumulate(way) - way).max() < 0.15
     back = -np.diff(way).min() * result.fps
     assert back < 0.7  # [m/s]; it walked at 1.2
@@ -99,67 +97,9 @@ def test_a_person_pushes_what_its_feet_can(mass, moves):
     if not moves:
         assert abs(way) < 0.02
         return
-    # 59 N of friction, of 240 N that feet transmit: it goes where its clock has it, the box ahead.
-    # Every blow of a knee makes it brake, so that it is late.
-    assert way > 1.2
-    late = walk()[round(result.clock[-1] * result.fps)]
-    assert abs(late.translation[0] - result.motion.translation[-1, 0]) < 0.05
-
-
-BRAKES = 0.4 * 9.81  # tuning::footing: kPush, of gravity [m/s^2]
-BRAKING = 0.4  # kBrakes [s]
-
-
-def meets_a_box(mass, frames=90, settings=STANDS_FIRM):
-    """A walk into a box, as `campaigns.ground` has it."""
-    scene = room()
-    scene.add_object(
-        "box", hp.Box((0.6, 0.6, 1.0)), mass=mass, friction=0.3, position=(2.0, 0.0, 0.5)
-    )
-    return hp.simulate(walk(frames), scene, body=BODY, settings=settings)
-
-
-def test_who_meets_more_than_feet_transmit_brakes_as_fast_as_feet_can():
-    result = meets_a_box(200.0)
-    weight = 9.81 * BODY.mass
-    against = np.linalg.norm(forces(result)[:, :2], axis=1)
-    met = int(np.argmax(against > 0.4 * weight))
-    rate = np.diff(result.clock) * result.fps  # of frames 1 on
-    speed = np.linalg.norm(np.diff(walk(90).translation[:, :2], axis=0), axis=1) * result.fps
-    assert rate[:met] == pytest.approx(1.0, abs=1e-9)
-    # In the next frame already, by no more than feet can slow the body, while the root is not yet
-    # behind its path by what makes it wait.
-    most = BRAKES / speed[met] / result.fps
-    assert rate[met] == pytest.approx(1.0 - most, abs=1e-6)
-    # And on for as long as it brakes: the box is hardly moved.
-    assert rate[met + 8] < 0.5
-    assert np.ptp(result.objects["box"].position[:, 0]) < 0.01
-
-
-def test_who_meets_what_feet_can_push_does_not_brake():
-    """A ball of half a kilogram takes less than the feet transmit."""
-    scene = room()
-    scene.add_object("ball", hp.Sphere(0.11), mass=0.43, position=(1.5, -0.1, 0.11))
-    result = hp.simulate(walk(90), scene, body=BODY, settings=STANDS_FIRM)
-    assert result.objects["ball"].position[-1, 0] > 1.6
-    assert np.array_equal(result.clock, np.arange(len(result)) / result.fps)
-
-
-def test_braking_goes_on_from_a_saved_state():
-    motion = walk(90)
-    scene = room()
-    scene.add_object(
-        "box", hp.Box((0.6, 0.6, 1.0)), mass=200.0, friction=0.3, position=(2.0, 0.0, 0.5)
-    )
-    simulator = hp.Simulator(scene, body=BODY, fps=motion.fps)
-    simulator.reset(motion[0])
-    for k in range(1, 61):  # the blow is at frame 58
-        simulator.step(motion[k])
-    state = simulator.get_state()
-    once = [simulator.step(motion[k]).poses[0].translation for k in range(61, 70)]
-    simulator.set_state(state)
-    again = [simulator.step(motion[k]).poses[0].translation for k in range(61, 70)]
-    assert np.array_equal(once, again)
+    # 59 N of friction, of 240 N that feet transmit: it walks its four metres, the box ahead.
+    assert way > 2.9
+    assert (walk().translation - result.motion.translation)[-1, 0] < 0.01
 
 
 def test_saved_and_loaded_with_its_clock(tmp_path):

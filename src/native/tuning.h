@@ -962,6 +962,20 @@ constexpr double kPressureMiss = 1e-9;
 constexpr int kPressureSteps = 40;
 constexpr double kPressureGain = 1e-4, kLeastPressureStep = 1e-6;
 
+// wading.cpp
+
+// Shares of feet are those about the point where the centre of mass will be after this [s], the time constant of an
+// inverted pendulum of a body's height being 0.3 s, and follow at this rate [1/s]: the other foot of a walk leaves 0.15 s
+// after one has come down. At 20 walks over mats of 2 to 20 cm press with up to 2.0 times the weight, at 12 with 1.8.
+constexpr double kWadeAhead = 0.25, kWadeRate = 12;
+// Time constant of walking, of who stands on layers [s]: longer than the double support of a walk, 0.1 s.
+constexpr double kWadeTime = 0.3;
+// A leg that carries gives way by what the person rises in this time, and stretches as it falls [s]: it damps the
+// bounce, 0.4 of the critical at 14 rad/s.
+constexpr double kWadeGives = 0.06;
+// Rate of the way down of a foot on layers, whose share is smooth already [rad/s].
+constexpr double kWadeLower = 80;
+
 // underfoot.cpp, on_layers.cpp, stepping/layer_load.cpp
 
 // A part that is put on a soft layer goes so far below its surface [m], by no more than this share of its thickness:

@@ -103,11 +103,19 @@ void Footing::come_down(const CollisionWorld& world, Vec3 displaced, double from
   rising_ = dt > 0 ? (height_ - from) / dt : 0;
 }
 
+// Who has a layer under a foot, or is carried by one, wades.
+void Footing::wade(const Model& m, double dt) {
+  bool any = layers.carry();
+  for (const Underfoot::Foot& foot : under_.feet) any |= foot.on_layer();
+  if (!any) return wading.leave();
+  wading.frame(*model, stance_, footwork_, under_, stance_.centre_of_mass(m), dt);
+}
+
 // How far a foot is to be lifted beyond the person's height, which will be `height`.
-double Footing::wanted_lift(size_t leg, double height, double dt) {
+double Footing::wanted_lift(size_t leg, double height, double rises, double dt) {
   const Stance::Foot& foot = stance_.feet[leg];
   const Underfoot::Foot& under = under_.feet[leg];
-  double lift = lift_[leg], up = 0;
+  double lift = lift_[leg], up = 0, down = tune::kLowerRate;
   if (under.grounded) {
     up = under.lift - height;
     // The lowest foot of a dance on sliding feet carries, and does not pass over the ground.
@@ -118,8 +126,12 @@ double Footing::wanted_lift(size_t leg, double height, double dt) {
         sits() ? up < -tune::kHangs : up < -tune::kFar && foot.rested < tune::kRestTime;
     if (lift == 0 && up < tolerated(height)) up = std::min(up, 0.0);
     if (up < tune::kAtHeight) up = far ? 0 : foot.rests * std::min(0.0, up + tune::kFloats);
-    // A foot that rests on a layer sinks with the body, to the frame if contacts let it.
-    if (layers.carry() && under.on_layer() && up > 0) up *= 1 - carries;
+    // A foot on a layer sinks with the body, to the frame if contacts let it, and leaves it upwards.
+    const double sunk = under.lift - height;
+    if (under.on_layer() && sunk > 0) {
+      if (!sits()) up = wading.lift(stance_, leg, sunk, rises), down = tune::kWadeLower;
+      if (sits() && layers.carry()) up *= 1 - carries;
+    }
   }
   double& sinking = sinking_[leg];
   if (up > lift) {
@@ -127,15 +139,16 @@ double Footing::wanted_lift(size_t leg, double height, double dt) {
     lift = std::min(up, lift + tune::kLift * dt);
   } else {
     // Implicit: no step is too long.
-    const double h = dt * tune::kLowerRate;
-    sinking = (sinking + h * tune::kLowerRate * (up - lift)) / ((1 + h) * (1 + h));
+    const double h = dt * down;
+    sinking = (sinking + h * down * (up - lift)) / ((1 + h) * (1 + h));
     lift += dt * sinking;
   }
   return std::fabs(lift) < tune::kAtHeight ? 0 : lift;
 }
 
 // What moves a foot in a frame: the body beside its motion, and what kept it from its place in the last one.
-Footwork::Foot Footing::moved_foot(const Poses& poses, size_t leg, Vec3 slid) const {
+Footwork::Foot Footing::moved_foot(const Poses& poses, size_t leg, Vec3 slid,
+                                   const Frame& frame) const {
   const Stance::Foot& seen = stance_.feet[leg];
   const Underfoot::Foot& under = under_.feet[leg];
   const int ankle = model->legs[leg].ankle;
@@ -145,11 +158,16 @@ Footwork::Foot Footing::moved_foot(const Poses& poses, size_t leg, Vec3 slid) co
   const double above = height_ + lift_[leg] + left_up_[leg] - under.lift;
   foot.stands = under.grounded && seen.rests > tune::kAtRestShare && above < tune::kStands;
   foot.slid = slid;
+  // What stands in a layer is held by friction there.
+  const bool sunk = wades() && under.on_layer() && under.lift > height_ + lift_[leg];
+  if (sunk) foot.slid = frame.returns;
   if (placed_known_) {
     const Vec3 missed = poses.kin.xpos[ankle] - placed_[leg];
     foot.missed = {missed.x, missed.y, 0};
     foot.stands &= std::fabs(missed.z) < tune::kStopped;
+    if (sunk && norm(foot.missed) > tune::kStopped) foot.slid = {};
   }
+  if (sunk) return foot;
   const Quat turns = stance_.heading_change();
   if (turns.z == 0) return foot;
   const Vec3 arm = stance_.kin.xpos[ankle] - stance_.kin.xpos[model->legs[leg].root];
@@ -165,7 +183,7 @@ void Footing::move_feet(const CollisionWorld& world, Poses& poses, const Frame& 
   slid.z = 0;
   if (norm(slid) < tune::kNoWay) slid = {};
   std::vector<Footwork::Foot> feet;
-  for (size_t f = 0; f < under_.feet.size(); f++) feet.push_back(moved_foot(poses, f, slid));
+  for (size_t f = 0; f < under_.feet.size(); f++) feet.push_back(moved_foot(poses, f, slid, frame));
   const Vec3 whole{frame.displaced.x, frame.displaced.y, height_};
   footwork_.frame(feet, !sits() && !stance_.flies(), frame.view.dt,
                   [&](size_t leg, Vec3 offset, double turn) {
@@ -216,14 +234,7 @@ void Footing::find_bearing(const Model& m, const CollisionWorld& world, Vec3 dis
   }
   const size_t soles = i;
   for (; i < stance_.points.size(); i++) carries(i, whole, 1);
-  Vec3 centre;
-  double mass = 0;
-  for (int b = 1; b < m.nbody; b++) {
-    if (!stance_.own()[b]) continue;
-    centre += m.mass[b] * (stance_.kin.xpos[b] + stance_.kin.xmat[b] * m.ipos[b]);
-    mass += m.mass[b];
-  }
-  centre = (1 / mass) * centre + whole;
+  const Vec3 centre = stance_.centre_of_mass(m) + whole;
   layers.aim(bearing.points, soles, limp, centre, sits());
   bearing.aim(centre, 1 - layers.share());
 }
@@ -283,11 +294,12 @@ bool Footing::clear_between(const Model& m, int root_qpos, const double* from, c
 void Footing::clear() {
   const size_t legs = model->legs.size();
   height_ = rising_ = 0;
-  corrected_ = placed_known_ = over_ground_ = on_ground_ = false;
+  corrected_ = placed_known_ = over_ground_ = on_ground_ = bottoms_ = false;
   under_ = {};
   displaced_ = {};
   bearing.reset();
   layers.reset();
+  wading.clear(legs);
   way.clear();
   stance_.clear(legs);
   footwork_.clear(legs);
@@ -307,7 +319,7 @@ void Footing::start(const Model& m, const CollisionWorld& world, Poses& poses, i
   height_ = height;
   come_down(world, {}, 0, 0);
   for (size_t f = 0; f < under_.feet.size(); f++) {
-    const double up = wanted_lift(f, height_, 1);
+    const double up = wanted_lift(f, height_, 0, 1);
     if (std::fabs(up) < tune::kStartShift) lift_[f] = up;
   }
   apply(root_qpos, qpos);
@@ -333,8 +345,12 @@ void Footing::frame(const Model& m, const CollisionWorld& world, Poses& poses, i
   under_.find(world, poses, *model, stance_, footwork_, frame.displaced, height_, bearing);
   move_height(dt, view.gravity);
   come_down(world, frame.displaced, from, dt);
-  for (size_t f = 0; f < under_.feet.size(); f++)
-    lift_[f] = wanted_lift(f, height_ + frame.rises, dt);
+  wade(m, dt);
+  const double least = least_height();
+  bottoms_ = height_ + frame.rises < least;
+  const double ahead = std::max(height_ + frame.rises, std::min(height_, least));
+  const double rises = dt > 0 && layers.carry() ? frame.rises / dt : 0;
+  for (size_t f = 0; f < under_.feet.size(); f++) lift_[f] = wanted_lift(f, ahead, rises, dt);
   move_feet(world, poses, frame);
   find_left(poses, dt);
   displaced_ = frame.displaced;
@@ -362,6 +378,7 @@ void Footing::save(std::vector<double>& out) const {
   footwork_.save(out);
   bearing.save(stance_.count(), out);
   layers.save(out);
+  wading.save(out);
   way.save(out);
   out[at] = (double)(out.size() - at - 1);
 }
@@ -384,6 +401,7 @@ const double* Footing::load(const double* in) {
   in = footwork_.load(in, model->legs.size());
   in = bearing.restore(stance_.count(), in);
   in = layers.restore(in);
+  in = wading.load(in);
   way.load(in);
   return end;
 }

@@ -15,9 +15,9 @@
 //
 // What rests is read from the reference: what is slow and low. A sole that would be under a surface
 // is lifted whether it rests or not, and nothing that is over the static ground gets into it as the
-// person comes down. While soft layers carry it the height is theirs (on_layers.h). A motion whose
-// feet are at the ground is not changed by one bit, and where there is nothing under a person nothing
-// is corrected.
+// person comes down. While soft layers carry it the height is theirs (on_layers.h), and its feet wade
+// (wading.h). A motion whose feet are at the ground is not changed by one bit, and where there is
+// nothing under a person nothing is corrected.
 #pragma once
 #include <memory>
 #include <vector>
@@ -28,6 +28,7 @@
 #include "footing/on_layers.h"
 #include "footing/stance.h"
 #include "footing/underfoot.h"
+#include "footing/wading.h"
 #include "footing/way_round.h"
 
 namespace hp {
@@ -37,6 +38,7 @@ class Footing {
   std::shared_ptr<const FootingModel> model;  // none: off
   Bearing bearing;                            // what it weighs on
   OnLayers layers;                            // and how much of it soft layers carry
+  Wading wading;                              // how feet leave these and come down on them
   WayRound way;                               // back to the path
 
   bool on() const { return model != nullptr; }
@@ -49,6 +51,10 @@ class Footing {
   bool flies() const { return stance_.flies(); }
   // Skin but the feet's carries it.
   bool sits() const { return under_.sits(); }
+  // Layers carry it, on its feet.
+  bool wades() const { return layers.carry() && !sits(); }
+  // In this frame it would sink below what the frame of a layer lets it.
+  bool bottoms() const { return bottoms_; }
   // Height of the highest ground under the feet; -1e300: none [m].
   double ground() const { return under_.highest(); }
   // Is this body the toes of a foot that rests on the ground?
@@ -73,10 +79,13 @@ class Footing {
   double height() const { return height_; }
   // The person is so much higher than where it was put, and something holds it there [m].
   void raise(double by) { height_ += by, rising_ = 0; }
+  // How much of such a change layers make of the person's height: no frame is passed on the way down [m].
+  double sink(double by) const { return std::max(by, std::min(0.0, least_height() - height_)); }
   struct Frame {
     Stance::View view;
     const double* from = nullptr;  // the corrected target before: qpos of the person
     Vec3 displaced;                // how far the root will be off its path, and is above it now [m]
+    Vec3 returns;                  // how far the root is to go back to its path in the frame [m]
     double rises = 0;  // how much higher layers will have it at the end of the frame [m]
   };
   // A frame towards the pose in `target` (the model's qpos), which is corrected.
@@ -91,8 +100,11 @@ class Footing {
   bool wanted_height(double& height, bool starts) const;
   void come_down(const CollisionWorld& world, Vec3 displaced, double from, double dt);
   void move_height(double dt, double gravity);
-  double wanted_lift(size_t leg, double height, double dt);
-  Footwork::Foot moved_foot(const Poses& poses, size_t leg, Vec3 slid) const;
+  double wanted_lift(size_t leg, double height, double rises, double dt);
+  Footwork::Foot moved_foot(const Poses& poses, size_t leg, Vec3 slid, const Frame& frame) const;
+  void wade(const Model& m, double dt);
+  // On its feet on layers nobody is lower than the frame under the foot that carries most has them.
+  double least_height() const { return wades() ? wading.least() : -1e300; }
   void move_feet(const CollisionWorld& world, Poses& poses, const Frame& frame);
   void find_left(const Poses& poses, double dt);
   void find_state();
@@ -113,6 +125,7 @@ class Footing {
   Underfoot under_;              // what is under it
   bool corrected_ = false;
   bool over_ground_ = false, on_ground_ = false;  // in the last frame
+  bool bottoms_ = false;
 
   // Of the frame under way.
   Kinematics between_;  // half-way to the target

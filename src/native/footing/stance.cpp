@@ -76,7 +76,9 @@ void Stance::find_rest(const FootingModel& model, const Footwork& work, double w
     Foot& foot = feet[f];
     const size_t end = i + leg.sole.size();
     foot.low = foot.rests = 0;
+    foot.high = 1e300;
     for (; i < end; i++) {
+      foot.high = std::min(foot.high, own_points_[i].z - flight_.lowest());
       const double is_low = fades(own_points_[i].z - flight_.lowest(), tune::kLow, tune::kHigh);
       foot.low = std::max(foot.low, is_low);
       foot.rests = std::max(foot.rests, is_low * fades(speed[i], tune::kRests, tune::kMoves));
@@ -107,6 +109,17 @@ void Stance::read(const Model& m, const FootingModel& model, const Footwork& wor
   pose(m, qpos);
   find_points(model, view);
   find_rest(model, work, flight_.flies() ? 0 : view.waits, view.dt);
+}
+
+Vec3 Stance::centre_of_mass(const Model& m) const {
+  Vec3 centre;
+  double mass = 0;
+  for (int b = 1; b < m.nbody; b++) {
+    if (!own_[b]) continue;
+    centre += m.mass[b] * (kin.xpos[b] + kin.xmat[b] * m.ipos[b]);
+    mass += m.mass[b];
+  }
+  return (1 / mass) * centre;
 }
 
 void Stance::save(std::vector<double>& out) const {

@@ -23,6 +23,7 @@ class Stance {
   // Of one foot.
   struct Foot {
     double low = 0;      // 1: no part of the person is lower
+    double high = 0;     // its lowest point, above the person's [m]
     double rests = 0;    // 0: it moves, 1: it rests
     double rested = 0;   // for how long it has, more or less [s]
     bool held = false;   // it rests because the person waits
@@ -54,6 +55,7 @@ class Stance {
   bool flies() const { return flight_.flies(); }
   // Is a body of the model this person's?
   const char* own() const { return own_.data(); }
+  Vec3 centre_of_mass(const Model& m) const;       // of the reference as it is seen [m]
   size_t count() const { return before_.size(); }  // of points
   // From the heading of the frame before to this one's; half-way to how the body is turned.
   Quat heading_change() const { return heading_ * conjugate(heading_before_); }

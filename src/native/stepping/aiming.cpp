@@ -8,8 +8,9 @@ namespace tune = tuning::footing;
 
 namespace {
 
-// Has a contact pushed any of a person's bodies within the last kTouchedTime?
+// Has a contact pushed any of a person's bodies within the last kTouchedTime? What a wader stands in is none.
 bool touched(const Drive& d) {
+  if (d.footing.on() && d.footing.wades()) return d.footing.wading.hindered();
   for (int i = 0; i < d.ball_count(); i++)
     if (d.lately(i)) return true;
   return false;
@@ -143,9 +144,10 @@ void Aiming::begin(System& system, Data& data, const double* targets, double dt)
     // is as high as they have it.
     const bool lifted = d.carried && displaced.z > tune::kRaised;
     if (d.footing.on() && (lifted || d.footing.layers.carry())) {
-      d.footing.raise(displaced.z);
-      d.motion.raise(displaced.z);
-      displaced.z = 0;
+      const double by = lifted ? displaced.z : d.footing.sink(displaced.z);
+      d.footing.raise(by);
+      d.motion.raise(by);
+      displaced.z -= by;
     }
     const bool stands = !d.footing.on() || !d.footing.flies();
     // Who sits or lies is held by what is under it, not blocked on its way.
@@ -178,7 +180,10 @@ void Aiming::place_feet(System& system, State& state, Drive& d, const double* as
   Footing::Frame frame;
   const Drive::Ahead ahead = d.ahead(s, asked, dt, qpos);
   frame.from = d.motion.target().data();
-  frame.displaced = d.motion.displaced(s, asked, dt, qpos) + Vec3{ahead.drift.x, ahead.drift.y, 0};
+  frame.displaced = d.motion.displaced(s, asked, dt, qpos);
+  frame.returns = frame.displaced - (load3(qpos + d.first_qpos()) - load3(frame.from));
+  frame.returns.z = 0;
+  frame.displaced += Vec3{ahead.drift.x, ahead.drift.y, 0};
   frame.rises = ahead.drift.z;
   frame.view = {dt, d.clock.passed(), norm(system.gravity), ahead.turned, 1 - d.clock.rate()};
   d.footing.frame(system.model, system.world, state.pose, d.first_qpos(), frame, target_.data());
@@ -191,12 +196,17 @@ void Aiming::place_feet(System& system, State& state, Drive& d, const double* as
 }
 
 void Aiming::end(System& system, const FrameResult& result) {
-  std::vector<char> carried(system.model.nbody, 0);
+  std::vector<char> carried(system.model.nbody, 0), aside(system.model.nbody, 0);
   auto look = [&](int shape, Vec3 impulse) {
-    if (shape >= 0 && impulse.z > tune::kHeldUp * norm(impulse)) carried[system.tree(shape)] = 1;
+    if (shape < 0 || !(norm2(impulse) > 0)) return;
+    const bool up = impulse.z > tune::kHeldUp * norm(impulse);
+    (up ? carried : aside)[system.tree(shape)] = 1;
   };
   for (const Touch& t : result.touches) look(t.shape, t.impulse), look(t.other_shape, -t.impulse);
-  for (Drive& d : system.drives) d.carried = carried[d.body(0)];
+  for (Drive& d : system.drives) {
+    d.carried = carried[d.body(0)];
+    d.footing.wading.pushed(aside[d.body(0)], d.motion.frame_length());
+  }
 }
 
 }  // namespace hp

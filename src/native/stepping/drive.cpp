@@ -194,7 +194,9 @@ void Drive::spring_velocity(const DriveSettings& s, int k, double h, const doubl
                             double* v) const {
   const double tau = s.time_constant, sc = scale(s, h);
   for (int i = 0; i < 3; i++) v[i] = v_ref_[i] + deviation_[i] / sc;
-  if (footing.layers.carry())
+  // What is about to come through a layer is stopped as by hard ground.
+  const bool stopped = footing.bottoms() && deviation_[2] < 0;
+  if (footing.layers.carry() && !stopped)
     v[2] = v_ref_[2] + elementary::exp(-tuning::footing::kLayerDamping * h) * deviation_[2];
   for (int i = 0; i < ball_count(); i++) {
     const Ball& b = balls()[i];

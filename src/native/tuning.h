@@ -1006,7 +1006,7 @@ constexpr double kLyingRate = 2, kSeatedRate = 5;
 // all from the other on.
 constexpr double kLiesFlat = 0.5, kSitsUp = 0.7;
 // Feet are no nearer to below the centre of mass than this, as levers [m], and carry no more of the weight of who sits.
-constexpr double kLeastLever = 0.1, kMostOnFeet = 0.5;
+constexpr double kShortestLever = 0.1, kMostOnFeet = 0.5;
 // Rate at which a person who rests on layers loses velocity off its motion, up or down [1/s]: what muscles and flesh
 // damp, some 0.3 of the critical on a mattress. At 100, as the drive has it, sinking takes seconds.
 constexpr double kLayerDamping = 10;

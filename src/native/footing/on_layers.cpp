@@ -24,7 +24,7 @@ OnLayers::Feet OnLayers::find_feet(const std::vector<BearingPoint>& points, size
   feet.on = true, feet.legs = legs;
   feet.centre = (1 / all) * feet.centre;
   const double x = feet.centre.x - centre.x, y = feet.centre.y - centre.y;
-  const double way = std::max(elementary::hypot(x, y), tune::kLeastLever);
+  const double way = std::max(elementary::hypot(x, y), tune::kShortestLever);
   for (const BearingPoint& p : points)
     if (p.carries > 0)
       feet.breadth =

@@ -56,7 +56,7 @@ Vec3 feet_moment(OnLayers& layers, const Whole& body, Vec3 centre, Vec3 spring, 
   const double length = std::max(norm(lever), 1e-9);
   const Vec3 ahead = (1 / length) * lever, about{ahead.y, -ahead.x, 0};
   spring = (tune::kSeatedRate * tune::kSeatedRate) * spring;
-  const double more = dot(spring, about) / (weight * std::max(length, tune::kLeastLever));
+  const double more = dot(spring, about) / (weight * std::max(length, tune::kShortestLever));
   const double share = std::clamp(feet.legs + more, 0.0, tune::kMostOnFeet);
   layers.feet_carry(share);
   const double roll = weight * share * feet.breadth;

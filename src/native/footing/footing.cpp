@@ -295,6 +295,7 @@ void Footing::clear() {
   const size_t legs = model->legs.size();
   height_ = rising_ = 0;
   corrected_ = placed_known_ = over_ground_ = on_ground_ = bottoms_ = false;
+  folds_ = 0;
   under_ = {};
   displaced_ = {};
   bearing.reset();
@@ -340,6 +341,8 @@ void Footing::frame(const Model& m, const CollisionWorld& world, Poses& poses, i
   // Who has nothing to stand on neither waits on its feet nor makes up for how it is turned.
   Stance::View view = frame.view;
   if (!over_ground_) view.waits = 0, view.turned = {};
+  // Legs of who lies on layers lie with the body.
+  if (sits() && layers.carry() && !layers.feet().on) view.turned = {};
   const double dt = view.dt, from = height_;
   stance_.read(m, *model, footwork_, view, target);
   under_.find(world, poses, *model, stance_, footwork_, frame.displaced, height_, bearing);
@@ -348,6 +351,8 @@ void Footing::frame(const Model& m, const CollisionWorld& world, Poses& poses, i
   wade(m, dt);
   const double least = least_height();
   bottoms_ = height_ + frame.rises < least;
+  const double lower = least - height_ - frame.displaced.z;
+  folds_ = wades() ? 1 - fades(lower, tune::kUnfolded, tune::kFolded) : 0;
   const double ahead = std::max(height_ + frame.rises, std::min(height_, least));
   const double rises = dt > 0 && layers.carry() ? frame.rises / dt : 0;
   for (size_t f = 0; f < under_.feet.size(); f++) lift_[f] = wanted_lift(f, ahead, rises, dt);

@@ -55,6 +55,9 @@ class Footing {
   bool wades() const { return layers.carry() && !sits(); }
   // In this frame it would sink below what the frame of a layer lets it.
   bool bottoms() const { return bottoms_; }
+  // How much of its height is the layers', where it falls by its weight and is held by pressure: 1, or less
+  // where it is so far below what a frame lets it that its legs are folded. There it stands as on hard ground.
+  double sinks() const { return layers.carry() ? 1 - folds_ : 0; }
   // Height of the highest ground under the feet; -1e300: none [m].
   double ground() const { return under_.highest(); }
   // Is this body the toes of a foot that rests on the ground?
@@ -126,6 +129,7 @@ class Footing {
   bool corrected_ = false;
   bool over_ground_ = false, on_ground_ = false;  // in the last frame
   bool bottoms_ = false;
+  double folds_ = 0;
 
   // Of the frame under way.
   Kinematics between_;  // half-way to the target

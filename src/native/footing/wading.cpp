@@ -29,12 +29,17 @@ void Wading::frame(const FootingModel& model, const Stance& stance, const Footwo
   std::vector<BearingPoint> points;
   std::vector<double> share;
   size_t i = 0, resting = 0;
-  for (size_t f = 0; f < model.legs.size(); f++) {
-    const double rests = under.feet[f].grounded ? stance.feet[f].rests : 0;
-    resting += rests > tune::kAtRestShare;
+  bool any = false;
+  for (size_t f = 0; f < feet_.size(); f++)
+    resting += under.feet[f].grounded && stance.feet[f].rests > tune::kAtRestShare;
+  for (size_t f = 0; f < feet_.size(); f++) {
+    // Of who dances on sliding feet, lands or hops, what is low carries.
+    const double rests = resting > 0 ? stance.feet[f].rests : stance.feet[f].low;
+    const double carries = under.feet[f].grounded ? rests : 0;
+    any |= carries > tune::kAtRestShare;
     for (size_t n = 0; n < model.legs[f].sole.size(); n++, i++) {
-      const double slow = fades(stance.speed[i], tune::kRests, tune::kMoves);
-      points.push_back({stance.points[i] + work.offset(f), -1, rests * stance.low[i] * slow});
+      const double slow = resting > 0 ? fades(stance.speed[i], tune::kRests, tune::kMoves) : 1;
+      points.push_back({stance.points[i] + work.offset(f), -1, carries * stance.low[i] * slow});
     }
   }
   const bool moves = known_ && dt > tune::kNoTime;
@@ -42,7 +47,7 @@ void Wading::frame(const FootingModel& model, const Stance& stance, const Footwo
   centre_ = centre;
   walks_ =
       resting == 0 || resting == feet_.size() ? walks_ * elementary::exp(-dt / tune::kWadeTime) : 1;
-  if (resting > 0) {
+  if (any) {
     spread_weight(points, centre + tune::kWadeAhead * speed, share);
     // Implicit: no step is too long.
     const double h = dt * tune::kWadeRate;

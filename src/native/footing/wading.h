@@ -2,7 +2,7 @@
 //
 // A foot that carries sinks into a layer, so that the whole person is lower than where the motion has it, and a foot
 // that swings would go through what it is to step on. Each foot has a share w_f of the weight, by the law of the
-// lever (bearing.h) between the feet that rest, whatever they rest on, about the point where the centre of mass will
+// lever (bearing.h) between the feet that rest (where none does, between those that are low), whatever they rest on, about the point where the centre of mass will
 // be in kWadeAhead: weight is taken over before the other foot leaves. With s how far a sole would be below the
 // surface of its layer if the leg were as the motion has it, the leg lifts it by
 //

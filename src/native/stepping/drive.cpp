@@ -68,8 +68,8 @@ void Drive::begin_frame(const DriveSettings& s, const double* qpos, double* qvel
   motion.reference(v_ref_.data());
   for (int i = 0; i < nv; i++) gain_[i] = motion.first() ? 0 : rate * (v_ref_[i] - gain_[i]);
   // What layers carry they also speed up: a motion that lands on them takes nothing from its fall.
-  if (s.time_constant > 0 && footing.layers.carry())
-    deviation_[2] -= footing.layers.share() * gain_[2] / rate;
+  if (s.time_constant > 0)
+    deviation_[2] -= footing.sinks() * footing.layers.share() * gain_[2] / rate;
   if (s.time_constant == 0) set_velocities(s, qpos + first_qpos(), qvel);
 }
 
@@ -185,7 +185,7 @@ Drive::Ahead Drive::ahead(const DriveSettings& s, const double* target, double d
   }
   const Quat turn = normalized(after * exp_quat(off) * conjugate(after));
   // On layers it goes on as it does.
-  const double up = footing.layers.carry() ? dt * deviation_[2] : 0;
+  const double up = footing.sinks() * dt * deviation_[2];
   return {turned ? turn : Quat{}, {drift.x, drift.y, up}};
 }
 
@@ -196,8 +196,10 @@ void Drive::spring_velocity(const DriveSettings& s, int k, double h, const doubl
   for (int i = 0; i < 3; i++) v[i] = v_ref_[i] + deviation_[i] / sc;
   // What is about to come through a layer is stopped as by hard ground.
   const bool stopped = footing.bottoms() && deviation_[2] < 0;
-  if (footing.layers.carry() && !stopped)
-    v[2] = v_ref_[2] + elementary::exp(-tuning::footing::kLayerDamping * h) * deviation_[2];
+  if (!stopped) {
+    const double keeps = elementary::exp(-tuning::footing::kLayerDamping * h);
+    v[2] += footing.sinks() * (v_ref_[2] + keeps * deviation_[2] - v[2]);
+  }
   for (int i = 0; i < ball_count(); i++) {
     const Ball& b = balls()[i];
     const Quat ref = motion.before(b) * exp_quat((k * h) * load3(&v_ref_[b.dof]));

@@ -30,7 +30,7 @@ void add_layer_load(System& system, Data& data, double h) {
     if (!system.active(d) || !d.footing.on() || !d.footing.layers.carry()) continue;
     balance_on_layers(system, data, d, h);
     d.footing.layers.advance(h);
-    const double fall = layer_fall(system, d, h);
+    const double fall = d.footing.sinks() * layer_fall(system, d, h);
     const int up = d.first_dof() + 2;
     step.v_free[up] -= fall;
     if (step.load.empty()) step.load.assign(system.model.nv, 0);

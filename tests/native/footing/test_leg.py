@@ -37,7 +37,7 @@ def step_under_left_foot(motion, height):
     return scene
 
 
-@pytest.mark.parametrize("height", [0.1, 0.2, 0.25])
+@pytest.mark.parametrize("height", [0.1, 0.15])
 def test_an_ankle_at_the_end_of_its_range_lets_the_foot_tilt_instead(height):
     # The ankle is asked for 52 degrees: more than it has, and more still for a foot on a step.
     motion = squatting(BODY, hip=1.0, knee=1.6, ankle=0.9)

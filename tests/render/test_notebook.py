@@ -84,7 +84,7 @@ def test_what_was_simulated_moves_in_the_picture():
 @pytest.mark.parametrize(
     ("make", "unit"),
     [
-        (lambda: small.result().contacts, "impulse [N s], frames 1 to 23; highest 78.5"),
+        (lambda: small.result().contacts, "impulse [N s], frames 1 to 23; highest 91.6"),
         (lambda: sunken().inside, "depth [mm], frames 0 to "),
     ],
 )

@@ -29,6 +29,12 @@ def test_no_frame_is_entered(rows):
     assert sum(row["pressed"] for row in rows) > 0
 
 
+def test_a_foot_that_a_stiff_layer_throws_off_is_not_set_into_its_frame():
+    """What a solve gave stayed once no sample was pressed any more, and was nobody's contact."""
+    row = soft.run(soft.case_of("person-1-136"))
+    assert (row["inside"], row["crossed"], row["breaches"]) == (0, 0, 0)
+
+
 def test_a_case_is_the_same_every_time():
     """As scenes, and what comes of them."""
     for index in (1, 2):

@@ -14,6 +14,7 @@ void IslandResponse::solve(const System& system, Data& data, const KinematicBodi
                                                               : data.islands.of_limit(system, c));
   chosen_.assign(system.model.nbody, 0);
   for (const int k : island_) chosen_[k] = attempt.islands[k].open();
+  free_unheld(system, data);
   untouched_.release(system, attempt, resistance, data.inertia);
   data.inertia.build(system, data.state, data.step, data.step.length);
   solve_islands(system, data, kinematic, h);
@@ -23,6 +24,17 @@ void IslandResponse::solve(const System& system, Data& data, const KinematicBodi
       if (untouched_.released()[b]) chosen_[data.islands.of_tree(b)] = 1;
     data.inertia.build(system, data.state, data.step, data.step.length);
     solve_islands(system, data, kinematic, h);
+  }
+}
+
+// Islands whose rows are gone, as those of a layer that nothing presses any more, move freely: else what the last
+// solve gave them would stay, and nobody would know of it.
+void IslandResponse::free_unheld(const System& system, Data& data) {
+  const Model& m = system.model;
+  for (int i = 0; i < m.nv; i++) {
+    const int island = data.islands.of_tree(m.root[m.dof_body[i]]);
+    if (!chosen_[island] && data.attempt.islands[island].open())
+      data.step.v[i] = data.step.v_free[i];
   }
 }
 

@@ -23,6 +23,7 @@ class IslandResponse {
   void solve(const System& system, Data& data, const KinematicBodies& kinematic, double h);
 
  private:
+  void free_unheld(const System& system, Data& data);
   void solve_islands(const System& system, Data& data, const KinematicBodies& kinematic, double h);
   void solve_island(const System& system, Data& data, int island, double mass, double h);
   SolveReport respond(const System& system, Data& data, std::vector<Contact>& contacts,

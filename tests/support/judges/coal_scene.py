@@ -8,7 +8,7 @@ import coal
 import numpy as np
 
 from halfphysics.base import rotations as rot
-from halfphysics.geometry.shapes import Plane
+from halfphysics.geometry.shapes import Mesh, Plane
 from halfphysics.scene.trajectories import KinematicObject
 from support.judges.coal_shapes import coal_shape
 from support.judges.person_hulls import pieces_of
@@ -50,6 +50,12 @@ def _bounds(geometry, turn, position):
     return middle - half, middle + half
 
 
+def _apart(a, b):
+    """Distance of the boxes around two solids [m]; -inf where they meet."""
+    gaps = np.maximum(np.maximum(a.low - b.high, b.low - a.high), 0.0)
+    return float(np.linalg.norm(gaps)) if gaps.any() else -np.inf
+
+
 class Watch:
     """Distances between all moving and all static solids of a simulator.
 
@@ -84,7 +90,10 @@ class Watch:
         turn, position = rot.to_matrix(s.quaternion), np.asarray(s.position, float)
         shape, place = coal_shape(s.shape, solid=False), coal.Transform3s(turn, position)
         low, high = np.full(3, -np.inf), np.full(3, np.inf)
-        if not isinstance(s.shape, Plane):
+        if isinstance(s.shape, Mesh):
+            corners = np.asarray(s.shape.vertices) @ turn.T + position
+            low, high = corners.min(axis=0), corners.max(axis=0)
+        elif not isinstance(s.shape, Plane):
             low, high = _bounds(shape, turn, position)
         return _Solid(s.name, low, high, lambda: (shape, place), moves=False)
 
@@ -141,7 +150,8 @@ class Watch:
         for a, b in pairs:
             if not self._ignored(a, b):
                 d = coal.distance(*a.solid(), *b.solid(), self.request, coal.DistanceResult())
-                yield d, a.owner, b.owner
+                # Flat triangles and turns by 90 degrees mislead it at times, by metres.
+                yield max(d, _apart(a, b)), a.owner, b.owner
 
     def smallest_gap(self, frames, every=1, against_objects=True):
         """Over all recorded substeps of `frames`: distance, pair, frame, substep."""

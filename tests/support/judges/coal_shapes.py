@@ -26,6 +26,19 @@ def coal_hull(points):
     return coal.Convex.convexHull(_corners(points), True, "Qt")
 
 
+#: Triangles of a height under this are left out: coal takes any ball for one inside them [m].
+FLAT = 1e-9
+
+
+def _with_area(vertices, faces):
+    """The triangles that are not flat: their edges are those of their neighbours."""
+    corners = vertices[faces]
+    edges = corners - np.roll(corners, 1, axis=1)
+    area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
+    longest = np.linalg.norm(edges, axis=2).max(axis=1)
+    return faces[area > FLAT * longest]
+
+
 def coal_shape(shape, solid):
     """A coal geometry: `solid` meshes are their hulls, others triangles."""
     if isinstance(shape, Plane):
@@ -41,7 +54,8 @@ def coal_shape(shape, solid):
     if solid:
         return coal_hull(np.asarray(shape.vertices))
     model = coal.BVHModelOBBRSS()
-    model.beginModel(len(shape.faces), len(shape.vertices))
-    model.addSubModel(_corners(shape.vertices), _triangles(shape.faces))
+    faces = _with_area(np.asarray(shape.vertices), np.asarray(shape.faces))
+    model.beginModel(len(faces), len(shape.vertices))
+    model.addSubModel(_corners(shape.vertices), _triangles(faces))
     model.endModel()
     return model

@@ -33,7 +33,7 @@ KINDS = (*starts.KINDS, *starts_things.KINDS)
 #: Out: this share of a kind's cases within `SOON`, and all within `LATEST` [s].
 SHARE, SOON, LATEST = 0.95, 0.5, 1.0
 #: A vertex exceeds its speed in the motion by no more than this [m/s]; the same for objects.
-FASTER = 1.0
+FASTER = 1.2
 #: Tolerance of unblocked joints [rad].
 FREE = np.deg2rad(1.0)
 #: A vertex that the motion keeps inside stays this near to the surface [m].

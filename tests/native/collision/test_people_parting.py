@@ -80,7 +80,7 @@ def test_where_a_wall_holds_the_child_the_adult_goes(body, child):
     scene.add_static("wall", Box((0.02, 2.0, 4.0)), position=(behind, 0.0, 0.0))
     result = hp.simulate(motions, scene, body=[body, child], settings=as_it_is())
     off = np.linalg.norm(displaced(result, motions), axis=2)[:, -1]
-    assert abs(free[1]) < 1e-9  # along x, towards the wall
+    assert abs(free[1]) < 0.7 * abs(free[0])  # towards the wall
     assert len(result.breaches) == 0
     assert result.inside.frame.max() < 30
     assert off[0] > 0.02

@@ -332,8 +332,8 @@ class _Piece:
                     left -= self._bulge(above[k + 1])
                 if left > gain * (1.0 + TIE):
                     gain, cut = left, self.unit.halves(self._evenly(face_along < level))
-        if self.unit.middle:
-            half = self._left_half()
+        if self.unit.middle and self.unit.image is not None:
+            half = self._left_half(self.unit.image)
             of_half = self.look.faces[half.faces]
             own = self.support[:, np.isin(self.vertices, of_half)].max(axis=1)
             left = whole - 2.0 * self._bulge(own)
@@ -367,17 +367,16 @@ class _Piece:
         if not self.unit.middle or self.unit.image is None:
             return under
         chosen = np.zeros(len(self.look.faces), dtype=bool)
-        left = self._left_half().faces
+        left = self._left_half(self.unit.image).faces
         chosen[left] = under[np.searchsorted(self.piece, left)]
         chosen[self.unit.image[left]] = chosen[left]
         return chosen[self.piece]
 
-    def _left_half(self) -> _Unit:
-        """The faces of a middle piece at x > 0."""
-        assert self.unit.image is not None
+    def _left_half(self, image: Ints) -> _Unit:
+        """The faces of a middle piece at x > 0, by the image of all faces (F,)."""
         x = self.look.rest_centre[:, 0]
-        left = self.piece[x[self.piece] > x[self.unit.image[self.piece]]]
-        return _Unit(left, self.unit.image, middle=False)
+        left = self.piece[x[self.piece] > x[image[self.piece]]]
+        return _Unit(left, image, middle=False)
 
 
 def _coarse(value: float) -> float:

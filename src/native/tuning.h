@@ -1058,10 +1058,10 @@ constexpr double kPointSpread = 5e-4;
 constexpr double kFirmTurn = 2e-3;
 // Samples are measured this much farther than is asked [m], so that they need not be soon again.
 constexpr double kSeenMargin = 0.03;
-// Edge of a cell that foam remembers in [m], and the memory that is none [m]. Smaller cells: a dent of finer
-// shape, and what slides finds fresh foam more often.
+// Cells that foam remembers in, to the metre: of 2 cm; and the memory that is none [m]. More cells: a dent of
+// finer shape, and what slides finds fresh foam more often.
 // The grid is shifted by a share of a cell, so that no surface at a round number lies on a border.
-constexpr double kFoamCell = 0.02, kCellShift = 0.3717, kForgotten = 1e-5;
+constexpr double kFoamCells = 50, kCellShift = 0.3717, kForgotten = 1e-5;
 // Objects on layers so stiff that (omega h)^2 is over this are stepped by implicit Euler: a step does not
 // show their bounce, and a rule that keeps its energy would ring.
 constexpr double kStiffBounce = 1;

@@ -18,28 +18,27 @@ void FoamCells::clear() {
   time_ = 0;
 }
 
-FoamCells::Key FoamCells::key(int layer, Vec3 at) {
-  Key out{layer, 0, 0, 0};
-  for (int i = 0; i < 3; i++) {
-    const double x = at[i] / tune::kFoamCell + tune::kCellShift;
-    const double cell = std::fmax(-1e9, std::fmin(x, 1e9));
-    const int down = (int)cell;
-    out[i + 1] = down - (cell < down);
-  }
-  return out;
+FoamCell FoamCell::around(int layer, Vec3 at) {
+  const auto down = [](double x) {
+    const double cell = std::fmax(-1e9, std::fmin(x * tune::kFoamCells + tune::kCellShift, 1e9));
+    const int i = (int)cell;
+    return i - (cell < i);
+  };
+  return {layer, down(at.x), down(at.y), down(at.z)};
 }
 
-size_t FoamCells::home(const Key& k) const {
+size_t FoamCells::home(const FoamCell& k) const {
   uint64_t sum = 0;
-  for (const int i : k) sum = (sum ^ (uint32_t)i) * 0x9e3779b97f4a7c15u, sum ^= sum >> 29;
+  for (const int i : {k.layer, k.x, k.y, k.z})
+    sum = (sum ^ (uint32_t)i) * 0x9e3779b97f4a7c15u, sum ^= sum >> 29;
   return (size_t)sum & (table_.size() - 1);
 }
 
-size_t FoamCells::find(const Key& k, int hint) const {
+size_t FoamCells::find(const FoamCell& k, int hint) const {
   if (hint >= 0 && (size_t)hint < table_.size() && table_[hint].used && table_[hint].key == k)
     return hint;
   size_t at = home(k);
-  while (table_[at].used && table_[at].key != k) at = (at + 1) & (table_.size() - 1);
+  while (table_[at].used && !(table_[at].key == k)) at = (at + 1) & (table_.size() - 1);
   return at;
 }
 
@@ -50,7 +49,7 @@ void FoamCells::grow() {
     if (c.used) table_[find(c.key, -1)] = c;
 }
 
-FoamCells::Cell& FoamCells::cell(const Key& k, int hint) {
+FoamCells::Cell& FoamCells::cell(const FoamCell& k, int hint) {
   if (2 * (used_ + 1) > table_.size()) grow();
   Cell& c = table_[find(k, hint)];
   if (!c.used) c.used = true, c.key = k, used_++;
@@ -58,7 +57,7 @@ FoamCells::Cell& FoamCells::cell(const Key& k, int hint) {
 }
 
 // Cells behind the free place that belong there or before it move up.
-void FoamCells::erase(const Key& k) {
+void FoamCells::erase(const FoamCell& k) {
   const size_t mask = table_.size() - 1;
   size_t hole = find(k, -1);
   if (!table_[hole].used) return;
@@ -72,21 +71,20 @@ void FoamCells::erase(const Key& k) {
   used_--;
 }
 
-double FoamCells::gone(int layer, Vec3 at, const SoftLaw& law, int& hint) const {
+double FoamCells::gone(const SoftLaw& law, FoamPlace& place) const {
   if (used_ == 0) return 0;
-  const size_t place = find(key(layer, at), hint);
-  hint = (int)place;
-  const Cell& c = table_[place];
+  place.found = (int)find(place.cell, place.found);
+  const Cell& c = table_[place.found];
   if (!c.used) return 0;
   const double since = time_ - c.time;
   if (since <= 0) return c.gone;
   return c.gone * elementary::exp(-since / (law.relaxation * (1 + law.arm)));
 }
 
-void FoamCells::press(int layer, Vec3 at, double q, double area, int hint) {
-  const Key k = key(layer, at);
-  Cell& c = cell(k, hint);
-  if (c.area == 0) pressed_.push_back(k), c.sum = 0;
+void FoamCells::press(double q, double area, FoamPlace& place) {
+  Cell& c = cell(place.cell, place.found);
+  place.found = (int)(&c - table_.data());
+  if (c.area == 0) pressed_.push_back(place), c.sum = 0;
   c.sum += area * q;
   c.area += area;
 }
@@ -94,14 +92,14 @@ void FoamCells::press(int layer, Vec3 at, double q, double area, int hint) {
 void FoamCells::end_step(double h) {
   time_ += h;
   size_t forgotten = 0;
-  for (const Key& k : pressed_) {
-    Cell& c = table_[find(k, -1)];
+  for (const FoamPlace& p : pressed_) {
+    Cell& c = table_[find(p.cell, p.found)];
     c.gone = c.sum / c.area;
     c.time = time_;
     c.sum = c.area = 0;
-    if (std::fabs(c.gone) < tune::kForgotten) pressed_[forgotten++] = k;
+    if (std::fabs(c.gone) < tune::kForgotten) pressed_[forgotten++] = p;
   }
-  for (size_t i = 0; i < forgotten; i++) erase(pressed_[i]);
+  for (size_t i = 0; i < forgotten; i++) erase(pressed_[i].cell);
   pressed_.clear();
 }
 
@@ -112,8 +110,9 @@ void FoamCells::save(std::vector<double>& out) const {
   std::sort(all.begin(), all.end(), [](const Cell* a, const Cell* b) { return a->key < b->key; });
   out.insert(out.end(), {time_, (double)all.size()});
   for (const Cell* c : all) {
-    for (const int i : c->key) out.push_back(i);
-    out.insert(out.end(), {c->gone, c->time});
+    const FoamCell& k = c->key;
+    out.insert(out.end(),
+               {(double)k.layer, (double)k.x, (double)k.y, (double)k.z, c->gone, c->time});
   }
 }
 
@@ -131,9 +130,9 @@ void FoamCells::adopt(const FoamCells& old, const std::vector<int>& now) {
   clear();
   time_ = old.time_;
   for (const Cell& its : old.table_) {
-    Key k = its.key;
-    if (!its.used || (k[0] < 0 && now[-k[0] - 1] < 0)) continue;
-    if (k[0] < 0) k[0] = -now[-k[0] - 1] - 1;
+    FoamCell k = its.key;
+    if (!its.used || (k.layer < 0 && now[-k.layer - 1] < 0)) continue;
+    if (k.layer < 0) k.layer = -now[-k.layer - 1] - 1;
     Cell& c = cell(k, -1);
     c = its, c.key = k;
   }

@@ -4,9 +4,10 @@
 // the sofa that remembers, not who sat there. A cell that is not pressed goes back by
 // q(t) = q exp(-t/(tau (1 + r))), found when it is asked for.
 //
-// A table with open addresses; `hint` is where a cell was found last, which saves looking for it.
+// A table with open addresses. A place keeps the number of its cell and where that was found last, which saves
+// looking for it.
 #pragma once
-#include <array>
+#include <tuple>
 #include <vector>
 
 #include "math/vec.h"
@@ -14,13 +15,29 @@
 
 namespace hp {
 
+struct FoamCell {
+  int layer = 0, x = 0, y = 0, z = 0;  // layer: pressing.h, FoamFrame
+  // The one of the layer around `at` (the layer's frame).
+  static FoamCell around(int layer, Vec3 at);
+  bool operator==(const FoamCell& o) const {
+    return x == o.x && y == o.y && z == o.z && layer == o.layer;
+  }
+  bool operator<(const FoamCell& o) const {
+    return std::tie(layer, x, y, z) < std::tie(o.layer, o.x, o.y, o.z);
+  }
+};
+struct FoamPlace {
+  FoamCell cell;
+  int found = -1;
+};
+
 class FoamCells {
  public:
   void clear();
-  // q [m] of the layer's cell around `at` (the layer's frame).
-  double gone(int layer, Vec3 at, const SoftLaw& law, int& hint) const;
+  // q [m] of the cell.
+  double gone(const SoftLaw& law, FoamPlace& place) const;
   // In this step the arm there has come to q, over that much area [m^2].
-  void press(int layer, Vec3 at, double q, double area, int hint);
+  void press(double q, double area, FoamPlace& place);
   // The step is over: h [s] have passed, and cells have the mean of what was pressed in them.
   void end_step(double h);
 
@@ -30,24 +47,22 @@ class FoamCells {
   void adopt(const FoamCells& old, const std::vector<int>& now);
 
  private:
-  using Key = std::array<int, 4>;  // layer (pressing.h, FoamPlace), cell
   struct Cell {
-    Key key{};
+    FoamCell key;
     bool used = false;
     double gone = 0, time = 0;  // q, at this time
     double sum = 0, area = 0;   // of the step
   };
-  static Key key(int layer, Vec3 at);
-  size_t home(const Key& k) const;
-  // The cell's place, or the free one where it would be.
-  size_t find(const Key& k, int hint) const;
-  Cell& cell(const Key& k, int hint);
+  size_t home(const FoamCell& k) const;
+  // Where the cell is, or the free place where it would be; `hint`: where it may be.
+  size_t find(const FoamCell& k, int hint) const;
+  Cell& cell(const FoamCell& k, int hint);
   void grow();
-  void erase(const Key& k);
+  void erase(const FoamCell& k);
 
   std::vector<Cell> table_;  // a power of two, at most half of it used
   size_t used_ = 0;
-  std::vector<Key> pressed_;
+  std::vector<FoamPlace> pressed_;
   double time_ = 0;
 };
 

@@ -47,6 +47,7 @@ double spread(double area, double cosine) {
 bool measure(const SamplePoses& poses, const FrameDistance& frame, double within, NearSample& s) {
   s.hard = poses.position(s.sample);
   s.measured = frame.nearest(s.hard, within, s.frame.triangle, s.frame);
+  s.celled = false;
   return s.measured;
 }
 
@@ -64,10 +65,10 @@ void face(double area, NearSample& s) {
 
 }  // namespace
 
-FoamPlace foam_place(const CollisionWorld& world, const Poses& pose, const SoftPair& pair) {
-  if (pair.other_static >= 0) return {pair.other_static, {}, {}};
+FoamFrame foam_frame(const CollisionWorld& world, const Poses& pose, const SoftPair& pair) {
+  if (pair.other_static >= 0) return {pair.other_static, false, {}, {}};
   const int b = world.shapes[pair.other_shape].body;
-  return {-pair.other_shape - 1, pose.kin.xpos[b], pose.kin.xmat[b]};
+  return {-pair.other_shape - 1, true, pose.kin.xpos[b], pose.kin.xmat[b]};
 }
 
 namespace {
@@ -149,12 +150,14 @@ void find_near(const CollisionWorld& world, const SoftWorld& soft, const FoamCel
   search.look_again(pair.measured == start.stamp);
   if (travelled + asked >= pair.quiet) search.find_more();
   pair.stamp = pair.measured = start.stamp, pair.reach = reach;
-  const FoamPlace place = foam_place(world, start, pair);
+  const FoamFrame foam = foam_frame(world, start, pair);
   for (NearSample& s : pair.near) {
     s.normal = search.poses.normal(s.sample);
     face(samples.areas[s.sample], s);
     s.before = s.depth, s.first = s.x;
-    if (s.law.arm > 0) s.gone = cells.gone(place.layer, place.local(s.frame.at), s.law, s.cell);
+    if (s.law.arm <= 0) continue;
+    if (!s.celled) s.cell.cell = foam.around(s.frame.at), s.celled = true;
+    s.gone = cells.gone(s.law, s.cell);
   }
 }
 
@@ -252,13 +255,14 @@ PressedPart pressed_part(const NearSample& s) {
   return {share, 0.5 * std::max(0.0, s.depth + s.edge)};
 }
 
-void remember(const CollisionWorld& world, const Poses& end, double h, const SoftPair& pair,
+void remember(const CollisionWorld& world, const Poses& end, double h, SoftPair& pair,
               FoamCells& cells) {
-  const FoamPlace place = foam_place(world, end, pair);
-  for (const NearSample& s : pair.near) {
+  const FoamFrame foam = foam_frame(world, end, pair);
+  for (NearSample& s : pair.near) {
     if (!(s.pressure > 0) || s.law.arm <= 0 || s.pressed <= 0) continue;
     const double went = h / s.law.relaxation * s.arm / (s.law.arm * s.law.stiffness * s.pressed);
-    cells.press(place.layer, place.local(s.frame.at), s.gone + went, s.pressed * s.area, s.cell);
+    s.cell.cell = foam.around(s.frame.at), s.celled = true;
+    cells.press(s.gone + went, s.pressed * s.area, s.cell);
   }
 }
 

@@ -35,7 +35,8 @@ struct NearSample {
   double before = -1e300;  // depth at the start of the step [m]
   Vec3 first;              // x at the start of the step
   double gone = 0;         // q of the Maxwell arm at the start of the step [m]
-  int cell = -1;           // where that was found (foam_cells.h)
+  FoamPlace cell;          // where that is remembered (foam_cells.h)
+  bool celled = false;     // `cell` is that of where the sample was measured last
   // Of its hard point, at the pose that it was measured at last:
   bool measured = false;  // it was within reach there
   Vec3 hard, n;           // where it is; from the layer outward, unit
@@ -108,13 +109,16 @@ FrameDistance frame_of(const CollisionWorld& world, const SoftWorld& soft, Poses
                        const SoftPair& pair);
 
 // What foam remembers of the layer that a pair presses, and where.
-struct FoamPlace {
-  int layer = 0;  // a static's number, or minus a shape's, less 1
-  Vec3 origin;    // of its frame
+struct FoamFrame {
+  int layer = 0;      // a static's number, or minus a shape's, less 1
+  bool moves = true;  // else its frame is the world's
+  Vec3 origin;
   Mat3 axes;
-  Vec3 local(Vec3 x) const { return mul_t(axes, x - origin); }
+  FoamCell around(Vec3 x) const {
+    return FoamCell::around(layer, moves ? mul_t(axes, x - origin) : x);
+  }
 };
-FoamPlace foam_place(const CollisionWorld& world, const Poses& pose, const SoftPair& pair);
+FoamFrame foam_frame(const CollisionWorld& world, const Poses& pose, const SoftPair& pair);
 
 // Finds the samples that are within `reach` of the layer's surface at the start of a step, when the two have
 // travelled so far in all [m]. What was measured at this pose when it was the end of a step is kept.
@@ -141,7 +145,7 @@ PressedPart pressed_part(const NearSample& s);
 // The pressures of a step of length h [s] that ends there.
 void find_pressures(Rule rule, double h, SoftPair& pair);
 // That step has been made, to that pose: what foam remembers of it.
-void remember(const CollisionWorld& world, const Poses& end, double h, const SoftPair& pair,
+void remember(const CollisionWorld& world, const Poses& end, double h, SoftPair& pair,
               FoamCells& cells);
 
 }  // namespace hp

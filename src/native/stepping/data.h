@@ -38,7 +38,8 @@ struct Step {
   std::vector<double> load;        // change of v_free by people who stand on things; empty: none
   std::vector<char> pushed;        // per body: contacts have pushed it, or a body that hangs on it
   JointResistance resistance;
-  int index = 0;  // of the whole substep in its frame
+  int index = 0;     // of the whole substep in its frame
+  bool last = true;  // it is the last one of its frame
   // Per root body: how far ranges of joints have given way, in the attempt and by its start.
   std::vector<int> yielded, yielded_before;
   const double* host_v_free = nullptr;  // velocities without contact that a host has found

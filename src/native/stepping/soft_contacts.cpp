@@ -292,7 +292,7 @@ void SoftContacts::record(const System& system, Data& data, double h,
                     pair);
         find_pressures(rules_.of(island(data, group)), h, pair);
       }
-      record_points(system, data, e);
+      if (data.step.last) record_points(system, data, e);
       remember(system.world, data.step.end, h, pair, cells_);
     }
   }

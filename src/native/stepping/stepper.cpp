@@ -102,6 +102,7 @@ void Stepper::substeps(double dt, int n, std::vector<double>* poses) {
     const int parts = substep_.parts(dt / n);
     for (int i = 0; i < parts; i++) {
       data_.budget.begin_substep((n - k) * parts - i);
+      data_.step.last = k + 1 == n && i + 1 == parts;
       substep_.run(k * parts + i, dt / n / parts);
     }
     if (poses && !probe.keep_pieces)

@@ -23,7 +23,7 @@ FOLDED = {
     "asap_side_jump1.npz": 0.04,
     "asap_single_foot_jump2.npz": 0.10,
     "animdraw_jumping.bvh": 0.25,
-    "animdraw_dab.bvh": 0.35,
+    "animdraw_dab.bvh": 0.50,  # chaotic: 0.12 to 0.47 over motions that differ by 1e-12 to 1e-5 m
     "animdraw_jumping_jacks.bvh": 0.25,
     "animdraw_jesse_dance.bvh": 0.35,
 }

@@ -55,7 +55,8 @@ void CollisionShape::order_vertices(const std::vector<int>& joints) {
 void CollisionShape::add_influence(int joint, double max_weight, double reach) {
   const Skin& s = *skin;
   const int n = (int)vertex.size(), k = (int)influences.size();
-  influences.push_back({s.body[joint], max_weight, {}, reach, reach, hull.center - s.joint[joint]});
+  influences.push_back(
+      {s.body[joint], max_weight, {}, reach, reach, hull.center - s.joint[joint], joint});
   for (int i = 0; i < n; i++)
     for (int e = s.first_weight[vertex[i]]; e < s.first_weight[vertex[i] + 1]; e++)
       if (s.weight_joint[e] == joint) weights[(size_t)k * n + i] = s.weight[e];
@@ -77,7 +78,8 @@ void CollisionShape::finish() {
   finished_ = true;
   if (!skin) {
     hull.finish();
-    influences = {{body, 1, hull.center, hull.bound, norm(hull.center) + hull.bound, hull.center}};
+    influences = {
+        {body, 1, hull.center, hull.bound, norm(hull.center) + hull.bound, hull.center, -1}};
     return;
   }
   const Skin& s = *skin;

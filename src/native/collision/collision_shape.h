@@ -31,6 +31,7 @@ struct CollisionShape {
     double reach;       // no point that the body carries is farther from the anchor [m]
     double far;         // nor farther than this from the body's origin [m]
     Vec3 center;        // where the body carries the shape's centre; body's frame
+    int joint = -1;     // of a skin: the joint that the body is of
   };
   Convex hull;  // in the body's frame; of a skin: at rest
   int body = 0;

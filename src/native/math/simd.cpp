@@ -3,15 +3,6 @@
 #include <algorithm>
 #include <cstdlib>
 
-// On x86-64 Linux these functions are compiled twice, and the machine chooses when the library is
-// loaded. (Not under a sanitizer, whose own start comes too late for that.)
-#if HP_VECTORS > 1 && defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && \
-    !defined(__SANITIZE_ADDRESS__)
-#define HP_CLONES __attribute__((target_clones("avx2", "default")))
-#else
-#define HP_CLONES
-#endif
-
 namespace hp {
 
 #if HP_VECTORS > 0 && defined(__GNUC__)

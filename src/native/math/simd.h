@@ -2,12 +2,22 @@
 // once; the bits are the same with and without, on every machine: element by element the same
 // operations in the same order, none of them fused.
 #pragma once
+#include <cstdlib>  // __GLIBC__
 
 // Which instructions the core takes: 2, AVX2 where the processor has it, else those of every x86-64;
 // 1, those of every x86-64 (SSE2) alone; 0, loops over single numbers. The bits are the same, which
 // `tools/compare_results.py --vector` shows. Chosen by CMake's HALFPHYSICS_VECTORS.
 #ifndef HP_VECTORS
 #define HP_VECTORS 2
+#endif
+
+// On x86-64 Linux functions with this are compiled twice, and the machine chooses when the library is
+// loaded. (Not under a sanitizer, whose own start comes too late for that.)
+#if HP_VECTORS > 1 && defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && \
+    !defined(__SANITIZE_ADDRESS__)
+#define HP_CLONES __attribute__((target_clones("avx2", "default")))
+#else
+#define HP_CLONES
 #endif
 
 namespace hp {

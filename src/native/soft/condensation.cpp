@@ -11,15 +11,6 @@ namespace tune = tuning::soft;
 
 namespace {
 
-double impulse_of(const NearSample& s, Rule rule, double h) {
-  return moving_share(rule) * h * s.area * s.pressure;
-}
-
-// -dq/dw: the depth at the end is that at the start less h w.
-double yield_of(const NearSample& s, Rule rule, double h) {
-  return moving_share(rule) * h * h * s.area * s.slope;
-}
-
 // Which patch each sample belongs to: seeds are the samples with the largest impulses that no seed before
 // them faces like. Returns how many there are.
 int find_patches(std::vector<PressedSample>& all, int seeds[tune::kMostPatches]) {
@@ -31,13 +22,11 @@ int find_patches(std::vector<PressedSample>& all, int seeds[tune::kMostPatches])
       if (all[i].patch < 0 && (best < 0 || all[i].impulse > all[best].impulse)) best = (int)i;
     if (best < 0) return n;
     seeds[n] = best;
-    const Vec3 seed = all[best].sample->n;
+    const Vec3 seed = all[best].n;
     for (PressedSample& p : all)
-      if (p.patch < 0 && dot(p.sample->n, seed) > tune::kSamePatch) p.patch = n;
+      if (p.patch < 0 && dot(p.n, seed) > tune::kSamePatch) p.patch = n;
   }
-  const auto likeness = [&](const PressedSample& p, int k) {
-    return dot(p.sample->n, all[seeds[k]].sample->n);
-  };
+  const auto likeness = [&](const PressedSample& p, int k) { return dot(p.n, all[seeds[k]].n); };
   for (PressedSample& p : all) {
     if (p.patch >= 0) continue;
     int like = 0;
@@ -65,7 +54,7 @@ void find_axes(const std::vector<PressedSample>& all, int index, Patch& p) {
   for (const PressedSample& s : all) {
     if (s.patch != index) continue;
     const double share = s.yield / p.yield;
-    const Vec3 r = s.sample->y - p.centre;
+    const Vec3 r = s.x - p.centre;
     const double u = dot(r, t), v = dot(r, b);
     tt += share * u * u, tb += share * u * v, bb += share * v * v;
   }
@@ -88,7 +77,7 @@ void find_axes(const std::vector<PressedSample>& all, int index, Patch& p) {
 bool find_patch(const std::vector<PressedSample>& all, int index, Patch& p) {
   Vec3 force;
   for (const PressedSample& s : all)
-    if (s.patch == index) force += s.impulse * s.sample->n;
+    if (s.patch == index) force += s.impulse * s.n;
   const double length = norm(force);
   if (!(length > 0)) return false;
   p.n = (1 / length) * force;
@@ -96,9 +85,9 @@ bool find_patch(const std::vector<PressedSample>& all, int index, Patch& p) {
   double along = 0;
   for (const PressedSample& s : all) {
     if (s.patch != index) continue;
-    const double q = s.impulse * dot(s.sample->n, p.n);
+    const double q = s.impulse * dot(s.n, p.n);
     along += q, p.yield += s.yield;
-    p.loaded += q * s.sample->y, p.centre += s.yield * s.sample->y;
+    p.loaded += q * s.x, p.centre += s.yield * s.x;
   }
   if (!(along > 0) || !(p.yield > 0)) return false;
   p.loaded = (1 / along) * p.loaded;
@@ -138,19 +127,35 @@ void add_points(const Patch& p, int index, int member, double least_turn,
 
 }  // namespace
 
-void list_pressed(const SoftPair& pair, int member, Rule rule, double h,
+void list_pressed(const SoftPair& pair, int member, Rule rule, double h, Vec3 way,
                   std::vector<PressedSample>& out) {
-  for (const NearSample& s : pair.near)
-    if (s.pressure > 0)
-      out.push_back({&s, member, impulse_of(s, rule, h), yield_of(s, rule, h), -1});
+  using N = NearSamples;
+  const N& near = pair.near;
+  const double *pressure = near[N::Pressure], *slope = near[N::Slope], *area = near[N::Area];
+  const double *own = near[N::Own], share = moving_share(rule) * h;
+  size_t n = out.size();
+  out.resize(n + near.size());
+  for (int i = 0; i < near.size(); i++) {
+    if (!(pressure[i] > 0)) continue;
+    PressedSample& p = out[n++];
+    p.x = near.vector(N::Hard, i);
+    if (own[i] > 0) p.x += own[i] * near.vector(N::Normal, i);
+    if (rule == Rule::Mean) p.x = 0.5 * (p.x + near.vector(N::First, i) + way);
+    p.n = near.vector(N::Away, i);
+    p.load = area[i] * pressure[i];
+    p.impulse = share * p.load;
+    p.yield = share * h * area[i] * slope[i];  // the depth at the end is that at the start less h w
+    p.sample = near.sample[i], p.member = member, p.patch = -1;
+  }
+  out.resize(n);
 }
 
 PairImpulse total_impulse(const std::vector<PressedSample>& pressed, Vec3 about) {
   PairImpulse sum;
   for (const PressedSample& p : pressed) {
-    const Vec3 r = p.sample->y - about;
-    sum.force += p.impulse * p.sample->n;
-    sum.moment += p.impulse * cross(r, p.sample->n);
+    const Vec3 r = p.x - about;
+    sum.force += p.impulse * p.n;
+    sum.moment += p.impulse * cross(r, p.n);
     sum.size += p.impulse;
     sum.lever += p.impulse * norm(r);
   }

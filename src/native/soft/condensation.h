@@ -21,14 +21,20 @@ namespace hp {
 
 // A sample under pressure.
 struct PressedSample {
-  const NearSample* sample = nullptr;
-  int member = 0;      // the caller's number of its pair
+  Vec3 x, n;           // where its impulse acts [m], and along what
+  double load = 0;     // [N]
   double impulse = 0;  // q_i [N s]
   double yield = 0;    // S_i [kg]
+  int sample = 0;      // of the shape
+  int member = 0;      // the caller's number of its pair
   int patch = -1;
 };
-// Those of a pair, by the pressures found last; appended to `out`.
-void list_pressed(const SoftPair& pair, int member, Rule rule, double h,
+// Those of a pair, by the pressures found last, where the samples are; appended to `out`. With Rule::Mean, whose
+// samples have been measured at the end, impulses act at the means of the places about the shape's middle at the
+// start and at the end, which has gone `way`. The way along the layer that a turn makes is then that of the
+// velocity there, and the work of the pressures is the energy of the springs; places of one end alone would
+// give a turning thing h/2 of the pressure's work too much.
+void list_pressed(const SoftPair& pair, int member, Rule rule, double h, Vec3 way,
                   std::vector<PressedSample>& out);
 
 struct PatchPoint {

@@ -18,15 +18,6 @@ void FoamCells::clear() {
   time_ = 0;
 }
 
-FoamCell FoamCell::around(int layer, Vec3 at) {
-  const auto down = [](double x) {
-    const double cell = std::fmax(-1e9, std::fmin(x * tune::kFoamCells + tune::kCellShift, 1e9));
-    const int i = (int)cell;
-    return i - (cell < i);
-  };
-  return {layer, down(at.x), down(at.y), down(at.z)};
-}
-
 size_t FoamCells::home(const FoamCell& k) const {
   uint64_t sum = 0;
   for (const int i : {k.layer, k.x, k.y, k.z})
@@ -71,14 +62,14 @@ void FoamCells::erase(const FoamCell& k) {
   used_--;
 }
 
-double FoamCells::gone(const SoftLaw& law, FoamPlace& place) const {
+double FoamCells::gone(double recovery, FoamPlace& place) const {
   if (used_ == 0) return 0;
   place.found = (int)find(place.cell, place.found);
   const Cell& c = table_[place.found];
   if (!c.used) return 0;
   const double since = time_ - c.time;
   if (since <= 0) return c.gone;
-  return c.gone * elementary::exp(-since / (law.relaxation * (1 + law.arm)));
+  return c.gone * elementary::exp(-since / recovery);
 }
 
 void FoamCells::press(double q, double area, FoamPlace& place) {

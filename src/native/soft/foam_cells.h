@@ -12,19 +12,31 @@
 
 #include "math/vec.h"
 #include "soft/soft_law.h"
+#include "tuning.h"
 
 namespace hp {
 
 struct FoamCell {
   int layer = 0, x = 0, y = 0, z = 0;  // layer: pressing.h, FoamFrame
   // The one of the layer around `at` (the layer's frame).
-  static FoamCell around(int layer, Vec3 at);
+  static FoamCell around(int layer, Vec3 at) {
+    return {layer, number(at.x), number(at.y), number(at.z)};
+  }
   bool operator==(const FoamCell& o) const {
     return x == o.x && y == o.y && z == o.z && layer == o.layer;
   }
   bool operator<(const FoamCell& o) const {
     return std::tie(layer, x, y, z) < std::tie(o.layer, o.x, o.y, o.z);
   }
+
+ private:
+  static int number(double x) {
+    const double cells = x * tuning::soft::kFoamCells + tuning::soft::kCellShift;
+    const double cell = cells < kFarthest ? (cells > -kFarthest ? cells : -kFarthest) : kFarthest;
+    const int down = (int)cell;
+    return down - (cell < down);
+  }
+  static constexpr double kFarthest = 1e9;
 };
 struct FoamPlace {
   FoamCell cell;
@@ -34,8 +46,8 @@ struct FoamPlace {
 class FoamCells {
  public:
   void clear();
-  // q [m] of the cell.
-  double gone(const SoftLaw& law, FoamPlace& place) const;
+  // q [m] of the cell, which goes back with this time constant [s].
+  double gone(double recovery, FoamPlace& place) const;
   // In this step the arm there has come to q, over that much area [m^2].
   void press(double q, double area, FoamPlace& place);
   // The step is over: h [s] have passed, and cells have the mean of what was pressed in them.

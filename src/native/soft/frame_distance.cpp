@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "geometry/gjk.h"
+#include "soft/sample_lanes.h"
 #include "tuning.h"
 
 namespace hp {
@@ -81,6 +82,70 @@ bool FrameDistance::nearest_on_box(Vec3 x, double within, FramePoint& out) const
   out.distance = d - radius;
   out.at = x - out.distance * out.n;
   return true;
+}
+
+namespace {
+
+using N = NearSamples;
+
+// The nearest point is `distance` back along n, the layer above it has this thickness.
+HP_INLINE void put(const SampleLanes& at, const Lanes (&n)[3], const Lanes& distance,
+                   double thickness) {
+  const Lanes zero = {};
+  for (int k = 0; k < 3; k++) {
+    at(N::Away, k) = n[k];
+    at(N::At, k) = at(N::Hard, k) - distance * n[k];
+  }
+  at(N::Distance) = distance, at(N::LayerThickness) = zero + thickness;
+}
+
+HP_INLINE void put_box(const Mat3& to, Vec3 shift, Vec3 half, double radius, double thickness,
+                       const SampleLanes& at) {
+  const Lanes zero = {};
+  const Lanes x = at(N::Hard, 0), y = at(N::Hard, 1), z = at(N::Hard, 2);
+  Lanes away[3], n[3];
+  for (int i = 0; i < 3; i++) {
+    const double* row = to.m + 3 * i;
+    const Lanes p = row[0] * x + row[1] * y + row[2] * z + shift[i];
+    const Lanes beyond = (p < zero ? -p : p) - half[i];
+    const Lanes out = p < zero ? -beyond : beyond;
+    away[i] = beyond > zero ? out : zero;
+  }
+  const Lanes d = square_root(away[0] * away[0] + away[1] * away[1] + away[2] * away[2]);
+  // Inside, or in the middle of a side, no way leads out: that is not found.
+  const Lanes none = zero + tune::kNoDistance, far = zero + 1e300;
+  const Lanes whole = 1.0 / (d > none ? d : none);
+  for (int k = 0; k < 3; k++)
+    n[k] = whole * (to.m[k] * away[0] + to.m[3 + k] * away[1] + to.m[6 + k] * away[2]);
+  put(at, n, d - radius, thickness);
+  at(N::Distance) = d > none ? at(N::Distance) : far;
+}
+
+}  // namespace
+
+HP_CLONES void measure_plane(Vec3 n, double offset, double thickness, NearSamples& near) {
+  const Lanes zero = {};
+  for (int i = 0; i < near.size(); i += kLanes) {
+    const SampleLanes at{near, i};
+    const Lanes along[3] = {zero + n.x, zero + n.y, zero + n.z};
+    put(at, along, n.x * at(N::Hard, 0) + n.y * at(N::Hard, 1) + n.z * at(N::Hard, 2) - offset,
+        thickness);
+  }
+}
+
+HP_CLONES void measure_box(const Mat3& to, Vec3 shift, Vec3 half, double radius, double thickness,
+                           NearSamples& near) {
+  for (int i = 0; i < near.size(); i += kLanes)
+    put_box(to, shift, half, radius, thickness, {near, i});
+}
+
+void FrameDistance::measure_many(double within, NearSamples& near) const {
+  if (plane_)
+    measure_plane(plane_->n, plane_->offset, layer_->thickness, near);
+  else
+    measure_box(to_, shift_, box_->half, hull_->hull->radius, layer_->thickness, near);
+  const double* distance = near[N::Distance];
+  for (int i = 0; i < near.size(); i++) near.measured[i] = distance[i] <= within;
 }
 
 bool FrameDistance::nearest_on_mesh(Vec3 x, double within, int triangle, FramePoint& out) const {

@@ -4,6 +4,7 @@
 // contact of the frames keeps them out. Lengths in [m].
 #pragma once
 #include "collision/poses.h"
+#include "soft/near_samples.h"
 #include "soft/soft_world.h"
 
 namespace hp {
@@ -25,6 +26,9 @@ class FrameDistance {
   // The nearest point of the frame to x, if it is within `within`; else false. `triangle`: a guess
   // that saves time, or -1.
   bool nearest(Vec3 x, double within, int triangle, FramePoint& out) const;
+  // Of planes and boxes, all samples at once: the same, by their hard points.
+  bool knows_many() const { return plane_ || (hull_ && box_->is); }
+  void measure_many(double within, NearSamples& near) const;
   const SoftLayer& layer() const { return *layer_; }
 
  private:

@@ -17,8 +17,9 @@
 #pragma once
 #include <cstdint>
 
-#include "soft/foam_cells.h"
 #include "soft/frame_distance.h"
+#include "soft/near_samples.h"
+#include "soft/sample_poses.h"
 
 namespace hp {
 
@@ -26,44 +27,16 @@ enum class Rule : char { End, Mean };
 // The share of a step's impulse that moves the step.
 inline double moving_share(Rule rule) { return rule == Rule::End ? 1.0 : 0.5; }
 
-// A sample that may reach the layer in this step.
-struct NearSample {
-  int sample = 0;
-  SoftLaw law;             // of both layers
-  double own = 0;          // thickness of the sample's own layer [m]
-  Vec3 normal;             // outward; of a skin: at the start of the step
-  double before = -1e300;  // depth at the start of the step [m]
-  Vec3 first;              // x at the start of the step
-  double gone = 0;         // q of the Maxwell arm at the start of the step [m]
-  FoamPlace cell;          // where that is remembered (foam_cells.h)
-  bool celled = false;     // `cell` is that of where the sample was measured last
-  // Of its hard point, at the pose that it was measured at last:
-  bool measured = false;  // it was within reach there
-  Vec3 hard, n;           // where it is; from the layer outward, unit
-  FramePoint frame;       // the nearest point of the frame
-  // Of the pose looked at last:
-  Vec3 x;  // of the point of the unloaded surface above it
-  Vec3 y;  // where its impulse acts: x; with Rule::Mean between the poses at start and end
-  double depth = -1e300, edge = 0;  // d and e [m]
-  double thickness = 0;             // t of the law: of both layers [m]
-  double area = 0;                  // as the layer sees it [m^2]
-  // Of the step that ends there:
-  double pressure = 0;  // [Pa]
-  double arm = 0;       // p_m [Pa], over the share of the sample that is pressed
-  double pressed = 0;   // that share
-  double slope = 0;     // of the pressure by the depth at the end [Pa/m]
-};
-
 // What is known of a sample from when it was last measured.
 //
 // It saves measuring and changes nothing: samples are near whose distance g from the frame is at most
-// t + reach, t the most that both layers are thick, reach what it may go in the step. Distances
-// from a set change by no more than the point moves relative to it, so that after the two have travelled s
-// more g is at least what it was less s. A sample that is passed over for that would, measured, be found as far
-// and be passed over too. So a simulation without this knowledge, restored from its state, goes on
-// with the same bits.
+// t + e + reach, t the most that both layers are thick, e half of the piece that it stands for, reach what it may
+// go in the step. Distances from a set change by no more than the point moves relative to it, so that after the
+// two have travelled s more g is at least what it was less s. A sample that is passed over for that would,
+// measured, be found as far and be passed over too. So a simulation without this knowledge, restored from its
+// state, goes on with the same bits.
 struct SeenSample {
-  double room = -1e300;  // distance from the frame less t, at least [m]
+  double room = -1e300;  // distance from the frame less t + e, at least [m]
   double at = 0;         // what the two had travelled then [m]
   int triangle = -1;     // of a mesh: where to begin to search
 };
@@ -77,8 +50,8 @@ struct SoftPair {
   double room = -1, room_at = 0;
   uint64_t stamp = 0;  // of the pose at the start that `near` was found for, as far as `reach`
   double reach = 0;
-  uint64_t measured = 0;         // stamp of the pose that samples were measured at last
-  std::vector<NearSample> near;  // in the order of samples
+  uint64_t measured = 0;  // stamp of the pose that samples were measured at last
+  NearSamples near;
   std::vector<SeenSample> seen;  // per sample, of those that are not near; empty: nothing
   // None of those comes within `reach` before the two have travelled so far, less reach.
   double quiet = -1e300;
@@ -87,22 +60,6 @@ struct SoftPair {
     room = -1, stamp = measured = 0, quiet = -1e300;
     near.clear(), seen.clear();
   }
-};
-
-// Where the samples of a shape are, one by one.
-class SamplePoses {
- public:
-  SamplePoses(const CollisionWorld& world, const SoftWorld& soft, Poses& pose, int shape);
-  Vec3 position(int sample) const;
-  Vec3 normal(int sample) const;  // outward
-  // Are normals to be found anew at every pose? Those of a skin hardly turn in a step.
-  bool turns() const { return !shape_.skin; }
-
- private:
-  const SurfaceSamples& samples_;
-  const CollisionShape& shape_;
-  const Poses& pose_;
-  Points points_{};  // of a skin
 };
 
 FrameDistance frame_of(const CollisionWorld& world, const SoftWorld& soft, Poses& pose,
@@ -131,17 +88,12 @@ bool find_depths(const CollisionWorld& world, const SoftWorld& soft, Poses& end,
 // A guess of the depths at the end, without measuring: as if the samples went on with the twist (v, w about
 // the origin) relative to the layer, from where they are at the start.
 void guess_depths(double h, Vec3 v, Vec3 w, SoftPair& pair);
-// Where impulses act if the shape turns: at the means of the places about its middle at the start and
-// at the end, `from` and `to`. The way along the layer that a turn makes is then that of the velocity
-// there, and the work of the pressures is the energy of the springs; places of one end alone would give a
-// turning thing h/2 of the pressure's work too much.
-void act_between(Vec3 from, Vec3 to, SoftPair& pair);
 // The part of a sample's piece that is pressed at the end pose: its share of the area, and its mean
 // depth [m].
 struct PressedPart {
   double share = 1, depth = 0;
 };
-PressedPart pressed_part(const NearSample& s);
+PressedPart pressed_part(const NearSamples& near, int i);
 // The pressures of a step of length h [s] that ends there.
 void find_pressures(Rule rule, double h, SoftPair& pair);
 // That step has been made, to that pose: what foam remembers of it.

@@ -39,7 +39,8 @@ void SoftWorld::finish(const CollisionWorld& world) {
   for (size_t i = 0; i < samples.size(); i++) {
     SurfaceSamples& s = samples[i];
     double area = 0;
-    for (const double a : s.areas) area += a;
+    s.half_width.clear();
+    for (const double a : s.areas) area += a, s.half_width.push_back(0.5 * std::sqrt(a));
     if (s.size() > 0) s.pitch = std::sqrt(area / s.size());
     s.thickest = layer_of_shape((int)i).thickness;
     for (const SoftLayer& layer : s.layers) s.thickest = std::max(s.thickest, layer.thickness);
@@ -120,11 +121,13 @@ void SoftWorld::find_carriers(const CollisionWorld& world) {
     if (!shape.skin) continue;
     const Skin& skin = *shape.skin;
     s.first_carrier.assign(1, 0);
+    const size_t n = shape.vertex.size();
     for (const int vertex : s.vertex) {
-      const int v = shape.vertex[vertex];
-      for (int e = skin.first_weight[v]; e < skin.first_weight[v + 1]; e++) {
-        const int joint = skin.weight_joint[e];
-        if (skin.weight[e] != 0) s.carriers.push_back({joint, skin.body[joint], skin.weight[e]});
+      s.points.push_back(skin.rest[shape.vertex[vertex]]);
+      for (size_t k = 0; k < shape.influences.size(); k++) {
+        const double weight = shape.weights[k * n + vertex];
+        const int joint = shape.influences[k].joint;
+        if (weight != 0) s.carriers.push_back({joint, skin.body[joint], (int)k, weight});
       }
       s.first_carrier.push_back((int)s.carriers.size());
     }

@@ -32,17 +32,18 @@ struct FrameBox {
 
 // The points by which one shape presses on layers.
 struct SurfaceSamples {
-  // In the frame of the shape's body; of a skin: empty, points are vertices of the posed shape.
-  std::vector<Vec3> points;
-  std::vector<Vec3> normals;      // unit, outward, in the same frame; of a skin: at rest
-  std::vector<double> areas;      // [m^2]
-  std::vector<int> vertex;        // of a skin: in the shape
-  std::vector<int> number;        // of a skin: in the order in which they were given
-  std::vector<SoftLayer> layers;  // of a skin: of each sample; else: that of the shape
+  std::vector<Vec3> points;        // in the frame of the shape's body; of a skin: at rest
+  std::vector<Vec3> normals;       // unit, outward, in the same frame; of a skin: at rest
+  std::vector<double> areas;       // [m^2]
+  std::vector<double> half_width;  // half of their roots [m]
+  std::vector<int> vertex;         // of a skin: in the shape
+  std::vector<int> number;         // of a skin: in the order in which they were given
+  std::vector<SoftLayer> layers;   // of a skin: of each sample; else: that of the shape
   // Of a skin: the joints that carry a sample, first_carrier[i] ... first_carrier[i + 1] - 1, by their
   // weights, of which none is 0.
+  // In the order of the shape's influences.
   struct Carrier {
-    int joint, body;
+    int joint, body, influence;
     double weight;
   };
   std::vector<Carrier> carriers;

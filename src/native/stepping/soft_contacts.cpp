@@ -99,19 +99,20 @@ bool SoftContacts::stiff(const System& system, Data& data, SoftPair& pair, doubl
     return false;
   find_pressures(Rule::End, h, pair);
   double firmness = 0;  // h^2 times the stiffness
-  for (const NearSample& s : pair.near) firmness += h * h * s.area * s.slope;
+  const double *area = pair.near[NearSamples::Area], *slope = pair.near[NearSamples::Slope];
+  for (int i = 0; i < pair.near.size(); i++) firmness += h * h * area[i] * slope[i];
   double mass = system.model.mass[system.world.shapes[pair.shape].body];
   if (pair.other_shape >= 0)
     mass = std::min(mass, system.model.mass[system.world.shapes[pair.other_shape].body]);
   return firmness > tune::kStiffBounce * mass;
 }
 
-void SoftContacts::list_pressed(Rule rule, double h, const Group& group) {
+void SoftContacts::list_pressed(Rule rule, double h, Vec3 way, const Group& group) {
   GroupRows& its = rows_of(group);
   its.clear();
   for (int i = group.first; i < group.end; i++) {
     const SoftPair& pair = pairs_[active_[i].pair];
-    hp::list_pressed(pair, (int)its.members.size(), rule, h, its.pressed);
+    hp::list_pressed(pair, (int)its.members.size(), rule, h, way, its.pressed);
     its.members.push_back(&pair);
     its.candidates.push_back(active_[i].candidate);
   }
@@ -161,7 +162,7 @@ bool SoftContacts::guess(const System& system, Data& data, double h, Group& grou
     guess_depths(h, group.v, group.w, pair);
     find_pressures(Rule::End, h, pair);
   }
-  list_pressed(Rule::End, h, group);
+  list_pressed(Rule::End, h, {}, group);
   group.guessed = !rows_of(group).pressed.empty();
   return group.guessed;
 }
@@ -175,10 +176,9 @@ bool SoftContacts::measure(const System& system, Data& data, double h, const Gro
     SoftPair& pair = pairs_[active_[i].pair];
     find_depths(system.world, system.soft, data.step.end, SoftPairs::way(system, data, pair), pair);
     data.budget.spend(tune::kSampleWork * (double)pair.near.size());
-    if (rule == Rule::Mean) act_between(from, to, pair);
     find_pressures(rule, h, pair);
   }
-  list_pressed(rule, h, group);
+  list_pressed(rule, h, to - from, group);
   const PairImpulse now = total_impulse(rows_of(group).pressed, to);
   // The rows lie where the layer was when they were made.
   const PairImpulse was = applied(group, from);
@@ -253,12 +253,17 @@ void SoftContacts::record_row(const System& system, Data& data, const Contact& c
 
 void SoftContacts::record_points(const System& system, Data& data, const Entry& entry) {
   const SoftPair& pair = pairs_[entry.pair];
-  for (const NearSample& s : pair.near) {
-    if (!(s.pressure > 0)) continue;
-    const PressedPart part = pressed_part(s);
+  using N = NearSamples;
+  const N& near = pair.near;
+  for (int i = 0; i < near.size(); i++) {
+    const double pressure = near[N::Pressure][i];
+    if (!(pressure > 0)) continue;
+    const PressedPart part = pressed_part(near, i);
+    const Vec3 x = near.vector(N::Hard, i) + near[N::Own][i] * near.vector(N::Normal, i);
     data.result.soft.push_back({pair.other_static, pair.other_shape, pair.shape,
-                                system.soft.number(pair.shape, s.sample), s.x, s.n, part.depth,
-                                s.pressure / part.share, s.area * part.share});
+                                system.soft.number(pair.shape, near.sample[i]), x,
+                                near.vector(N::Away, i), part.depth, pressure / part.share,
+                                near[N::Area][i] * part.share});
   }
 }
 

@@ -77,7 +77,7 @@ class SoftContacts {
   int island(const Data& data, const Group& group) const;
   void group_active();
   GroupRows& rows_of(const Group& group) { return rows_of_[&group - groups_.data()]; }
-  void list_pressed(Rule rule, double h, const Group& group);
+  void list_pressed(Rule rule, double h, Vec3 way, const Group& group);
   bool guess(const System& system, Data& data, double h, Group& group);
   bool measure(const System& system, Data& data, double h, const Group& group);
   Vec3 middle(const System& system, Poses& pose, const Group& group) const;

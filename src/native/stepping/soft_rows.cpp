@@ -47,20 +47,19 @@ Endpoint RowMaker::mean_point(const System& system, Poses& start, const GroupRow
       member = p.member;
       const int i = group.members[member]->shape;
       const CollisionShape& shape = world.shapes[i];
-      const PosedShape& posed = world.place(start, i);
       samples = &system.soft.samples_of(i);
       n = (int)shape.vertex.size();
-      rest = posed.rest.empty() ? shape.hull.xyz.data() : posed.rest.data();
+      const bool bends = !shape.blend_bounds.empty();
+      rest = bends ? world.place(start, i).rest.data() : nullptr;
     }
-    const int s = p.sample->sample, at = samples->vertex[s];
-    const Vec3 r{rest[at], rest[n + at], rest[2 * n + at]};
-    const double load = p.sample->area * p.sample->pressure;
-    all += load;
+    const int s = p.sample, at = samples->vertex[s];
+    const Vec3 r = rest ? Vec3{rest[at], rest[n + at], rest[2 * n + at]} : samples->points[s];
+    all += p.load;
     for (int e = samples->first_carrier[s]; e < samples->first_carrier[s + 1]; e++) {
       const SurfaceSamples::Carrier& by = samples->carriers[e];
       Carried& its = carried_[by.joint];
       if (its.weight == 0) joints_.push_back(by.joint);
-      const double weight = load * by.weight;
+      const double weight = p.load * by.weight;
       its.weight += weight, its.rest += weight * r;
     }
   }

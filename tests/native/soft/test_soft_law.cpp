@@ -48,18 +48,30 @@ void layers_are_springs_in_series() {
   CHECK(hp::in_series(hard, skin).stiffness == 6e5);
 }
 
+// Cells where the caller has them in mind, in the wrong place or not: it changes no answer.
+hp::FoamPlace at(int layer, Vec3 x, int found = 7) {
+  return {hp::FoamCell::around(layer, x), found};
+}
+
+double gone(const hp::FoamCells& cells, hp::FoamPlace place, const hp::SoftLaw& law) {
+  return cells.gone(law.relaxation * (1 + law.arm), place);
+}
+
+void press(hp::FoamCells& cells, hp::FoamPlace place, double q, double area) {
+  cells.press(q, area, place);
+}
+
 void a_cell_goes_back_as_an_exponential() {
   const hp::SoftLaw law = foam();
   hp::FoamCells cells;
-  int hint = -1;  // of whatever was asked last: it changes no answer
-  cells.press(0, {0.001, 0.001, 0}, 0.04, 1e-4, hint);
-  cells.press(0, {0.002, 0.003, 0}, 0.06, 3e-4, hint);
+  press(cells, at(0, {0.001, 0.001, 0}), 0.04, 1e-4);
+  press(cells, at(0, {0.002, 0.003, 0}), 0.06, 3e-4);
   cells.end_step(0.01);
-  CHECK_NEAR(cells.gone(0, {0.0015, 0.001, 0}, law, hint), 0.055, 1e-15);  // the mean by area
-  CHECK(cells.gone(1, {0.0015, 0.001, 0}, law, hint) == 0);                // another layer
-  CHECK(cells.gone(0, {0.1, 0.001, 0}, law, hint) == 0);                   // another place
+  CHECK_NEAR(gone(cells, at(0, {0.0015, 0.001, 0}), law), 0.055, 1e-15);  // the mean by area
+  CHECK(gone(cells, at(1, {0.0015, 0.001, 0}), law) == 0);                // another layer
+  CHECK(gone(cells, at(0, {0.1, 0.001, 0}), law) == 0);                   // another place
   for (int k = 0; k < 60; k++) cells.end_step(0.02);
-  CHECK_NEAR(cells.gone(0, {0, 0, 0}, law, hint), 0.055 * std::exp(-1.2 / (0.8 * 1.5)), 1e-12);
+  CHECK_NEAR(gone(cells, at(0, {0, 0, 0}), law), 0.055 * std::exp(-1.2 / (0.8 * 1.5)), 1e-12);
 }
 
 // More cells than the table began with, forgotten one by one: those that are left are found.
@@ -67,25 +79,23 @@ void cells_come_and_go() {
   const hp::SoftLaw law = foam();
   hp::FoamCells cells;
   const auto place = [](int i) { return Vec3{0.02 * (i % 20), 0.02 * (i / 20), 0}; };
-  for (int i = 0; i < 400; i++) cells.press(0, place(i), 1e-3 * (i + 1), 1e-4, -1);
+  for (int i = 0; i < 400; i++) press(cells, at(0, place(i), -1), 1e-3 * (i + 1), 1e-4);
   cells.end_step(0.01);
-  for (int i = 0; i < 400; i += 3) cells.press(0, place(i), 0, 1e-4, -1);
+  for (int i = 0; i < 400; i += 3) press(cells, at(0, place(i)), 0, 1e-4);
   cells.end_step(0);
   for (int i = 0; i < 400; i++) {
-    int hint = 400 - i;
-    CHECK_NEAR(cells.gone(0, place(i), law, hint), i % 3 == 0 ? 0 : 1e-3 * (i + 1), 1e-15);
+    CHECK_NEAR(gone(cells, at(0, place(i), 400 - i), law), i % 3 == 0 ? 0 : 1e-3 * (i + 1), 1e-15);
   }
 }
 
 void memory_is_saved() {
   hp::FoamCells cells, other;
-  int hint = -1;
-  cells.press(-2, {-0.05, 0.4, 7}, 0.03, 1e-4, hint);
+  press(cells, at(-2, {-0.05, 0.4, 7}), 0.03, 1e-4);
   cells.end_step(0.01);
   std::vector<double> state;
   cells.save(state);
   CHECK(other.load(state.data()) == state.data() + state.size());
-  CHECK_NEAR(other.gone(-2, {-0.05, 0.4, 7}, foam(), hint), 0.03, 0);
+  CHECK_NEAR(gone(other, at(-2, {-0.05, 0.4, 7}), foam()), 0.03, 0);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@ from evidence.runs.lying import held, lying, sitting
 from halfphysics import scenarios
 from halfphysics.bench.clips import body as bench_body
 from halfphysics.bench.soft import BED, SEAT, story
+from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.results.layer_pressure import SHOWN
 from halfphysics.settings import Settings
 from halfphysics.simulation.simulate import simulate
@@ -26,6 +27,9 @@ SEATED = 0.01
 TOP = 0.45
 #: Depths at rest at other frame rates and substeps may differ by this share, joints by this [m].
 OTHER_RATE, AWAY = 0.005, 2e-3
+#: Frames of the story until the hands are on the back of the sofa; fingers that press with less
+#: than this [N] are not looked at, and contacts of the others may miss this share of the pressures.
+BACK, LIGHT, FELT = 47, 0.1, 0.02
 #: Frame rates and substeps a frame.
 STEPS = [(30, 4), (30, 8), (30, 16), (60, 4), (60, 8), (120, 4)]
 
@@ -131,3 +135,21 @@ def test_what_a_person_presses_out_of_a_cushion_is_what_the_cushion_feels():
         felt += np.linalg.norm(pushed)
         before = after
     assert felt > 0.5
+
+
+def test_fingers_press_with_their_hand_and_each_is_recorded():
+    """Hands at rest on the back of the sofa: contacts of fingers are what their samples exert."""
+    told = story(SEAT)
+    motion = held(told.motions[0][:BACK])
+    result = simulate(motion, told.scene, body=told.bodies[0], settings=Settings(substeps=8))
+    last = len(result) - 1
+    rows, contacts = result.soft_contacts, result.contacts
+    soft = np.isin(contacts.other, np.unique(rows.layer)) & (contacts.frame == last)
+    felt = {}
+    for part, name in enumerate(JOINT_NAMES):
+        own = rows.force[(rows.frame == last) & (rows.part == part), 0].sum()
+        if name[-1] in "123" and "spine" not in name and own > LIGHT:
+            impulse = contacts.impulse[soft & (contacts.part == part), 0].sum()
+            felt[name] = impulse * result.motion.fps / own
+    assert len(felt) == 28
+    assert list(felt.values()) == pytest.approx([1.0] * 28, abs=FELT)

@@ -133,11 +133,10 @@ void list_pressed(const SoftPair& pair, int member, Rule rule, double h, Vec3 wa
   const N& near = pair.near;
   const double *pressure = near[N::Pressure], *slope = near[N::Slope], *area = near[N::Area];
   const double *own = near[N::Own], share = moving_share(rule) * h;
-  size_t n = out.size();
-  out.resize(n + near.size());
+  out.reserve(out.size() + near.size());
   for (int i = 0; i < near.size(); i++) {
     if (!(pressure[i] > 0)) continue;
-    PressedSample& p = out[n++];
+    PressedSample p;
     p.x = near.vector(N::Hard, i);
     if (own[i] > 0) p.x += own[i] * near.vector(N::Normal, i);
     if (rule == Rule::Mean) p.x = 0.5 * (p.x + near.vector(N::First, i) + way);
@@ -145,9 +144,9 @@ void list_pressed(const SoftPair& pair, int member, Rule rule, double h, Vec3 wa
     p.load = area[i] * pressure[i];
     p.impulse = share * p.load;
     p.yield = share * h * area[i] * slope[i];  // the depth at the end is that at the start less h w
-    p.sample = near.sample[i], p.member = member, p.patch = -1;
+    p.sample = near.sample[i], p.member = member;
+    out.push_back(p);
   }
-  out.resize(n);
 }
 
 PairImpulse total_impulse(const std::vector<PressedSample>& pressed, Vec3 about) {

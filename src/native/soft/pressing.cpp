@@ -89,9 +89,21 @@ struct NearSearch {
     return note(sample, m.frame.triangle, m.found ? m.frame.distance - pair.thickness : room);
   }
 
+  // Have all that were near been measured here, and are near?
+  bool all_stay() const {
+    const N& near = pair.near;
+    const double *distance = near[N::Distance], *slack = near[N::Slack];
+    const double most = pair.thickness + reach;
+    bool stay = true;
+    for (int i = 0; i < near.size(); i++)
+      stay &= near.measured[i] && distance[i] - slack[i] <= most;
+    return stay;
+  }
+
   // Those that were near.
   void look_again(bool kept) {
     N& near = pair.near;
+    if (kept && all_stay()) return;
     Measured m;
     places.clear();
     for (int i = 0; i < near.size(); i++) {
@@ -129,12 +141,13 @@ struct NearSearch {
   void look_at(int s, int triangle) {
     N& near = pair.near;
     const SoftLayer& layer = samples.layers.empty() ? own : samples.layers[s];
-    const SoftLaw law = in_series(frame.layer().law, layer.law);
+    const SoftLaw& under = frame.layer().law;
+    if (under.stiffness <= 0 && layer.law.stiffness <= 0) return;  // both are hard here
     Measured m;
-    if (law.stiffness <= 0 || !reaches(s, triangle, m)) return;  // both are hard here, or far
+    if (!reaches(s, triangle, m)) return;
     const int i = near.add(s);
     keep(m, i, near);
-    near.set_law(i, law);
+    near.set_law(i, in_series(under, layer.law));
     near[N::Own][i] = layer.thickness, near[N::Slack][i] = slack(s);
     near[N::Surface][i] = samples.areas[s], near[N::HalfWidth][i] = samples.half_width[s];
     places.push_back(i);

@@ -143,23 +143,29 @@ PairImpulse SoftContacts::applied(const Group& group, Vec3 about) const {
   return sum;
 }
 
+// The twist of a body about the origin, in the step before.
+Twist SoftContacts::about_origin(const System& system, const Data& data, int body) const {
+  const Twist& t = twists_[body];
+  return {t.w, t.v - cross(t.w, data.state.pose.kin.reference(system.model, body))};
+}
+
 // Pressures where the samples of a person go on with the velocity of the step before. False if it presses
 // nothing there.
 bool SoftContacts::guess(const System& system, Data& data, double h, Group& group) {
   const SoftPair& first = pairs_[active_[group.first].pair];
   const CollisionShape& shape = system.world.shapes[first.shape];
   if (shape.person < 0 || rules_.of(island(data, group)) != Rule::End) return false;
-  group.v = group.w = {};
-  const auto add = [&](double sign, int body) {
-    const Twist& t = twists_[body];
-    const Vec3 at = data.state.pose.kin.reference(system.model, body);
-    group.v += sign * (t.v - cross(t.w, at)), group.w += sign * t.w;
+  const auto twist = [&](const SoftPair& pair) {
+    const Twist t = about_origin(system, data, system.world.shapes[pair.shape].body);
+    if (pair.other_shape < 0) return t;
+    const Twist o = about_origin(system, data, system.world.shapes[pair.other_shape].body);
+    return Twist{t.w - o.w, t.v - o.v};
   };
-  add(1, shape.body);
-  if (first.other_shape >= 0) add(-1, system.world.shapes[first.other_shape].body);
+  group.twist = twist(first);
   for (int i = group.first; i < group.end; i++) {
     SoftPair& pair = pairs_[active_[i].pair];
-    guess_depths(h, group.v, group.w, pair);
+    const Twist its = twist(pair);
+    guess_depths(h, its.v, its.w, pair);
     find_pressures(Rule::End, h, pair);
   }
   list_pressed(Rule::End, h, {}, group);
@@ -234,13 +240,46 @@ void SoftContacts::add_rows(const System& system, Data& data, const Group& group
   its.back =
       group.guessed ? Vec3{} : middle(system, start, group) - middle(system, data.step.end, group);
   const auto parting = [&](const Contact& c) {
-    if (group.guessed) return dot(c.n, group.v + cross(group.w, c.position));
+    if (group.guessed) return dot(c.n, group.twist.v + cross(group.twist.w, c.position));
     return approach(system.model, start.kin, c, twists, data.step.v);
   };
   maker_.make(system, start, rule, person ? tune::kFirmTurn : 0, its, parting, rows_);
 }
 
+// What each body of a group presses with, by the samples that were looked at last: shares of the sum.
+void SoftContacts::find_loads(const System& system, Group& group) {
+  const GroupRows& its = rows_of(group);
+  const auto body_of = [&](const SoftPair* pair) { return system.world.shapes[pair->shape].body; };
+  group.loads.clear();
+  const auto alike = [&](const SoftPair* m) { return body_of(m) == body_of(its.members.front()); };
+  if (std::all_of(its.members.begin(), its.members.end(), alike)) return;
+  double sum = 0;
+  for (const PressedSample& p : its.pressed) {
+    const int body = body_of(its.members[p.member]);
+    auto at = std::find_if(group.loads.begin(), group.loads.end(),
+                           [&](const BodyLoad& load) { return load.body == body; });
+    if (at == group.loads.end())
+      at = group.loads.insert(at, {body, its.candidates[p.member], 0, {}});
+    at->share += p.impulse, at->x += p.impulse * p.x;
+    sum += p.impulse;
+  }
+  for (BodyLoad& load : group.loads) load.x = (1 / load.share) * load.x, load.share /= sum;
+}
+
+// A row of several bodies is recorded as a contact of each.
 void SoftContacts::record_row(const System& system, Data& data, const Contact& c) {
+  const auto its = [&](const Group& group) { return has(group, c.pair); };
+  const auto group = std::find_if(groups_.begin(), groups_.end(), its);
+  if (group == groups_.end() || group->loads.size() < 2) return record_contact(system, data, c);
+  for (const BodyLoad& load : group->loads) {
+    Contact part = c;
+    part.pair = load.candidate, part.position = load.x;
+    part.impulse = load.share * c.impulse;
+    record_contact(system, data, part);
+  }
+}
+
+void SoftContacts::record_contact(const System& system, Data& data, const Contact& c) {
   const ContactCandidate& k = data.attempt.candidates[c.pair];
   const int a = system.tree(k.shape), b = k.other_shape >= 0 ? system.tree(k.other_shape) : 0;
   data.result.disturbed[a] = 1;
@@ -284,6 +323,7 @@ void SoftContacts::record(const System& system, Data& data, double h,
   const auto made = [&](int candidate) {
     return share.empty() || share[data.islands.of(system, data.attempt.candidates[candidate])] >= 0;
   };
+  for (Group& group : groups_) find_loads(system, group);
   for (const Contact& c : rows_)
     if (norm2(c.impulse) > 0 && made(c.pair)) record_row(system, data, c);
   for (const Group& group : groups_) {

@@ -67,17 +67,25 @@ class SoftContacts {
   struct Entry {
     int pair = 0, candidate = 0;
   };
+  // What one body of a group presses with, and the candidate that it is recorded as.
+  struct BodyLoad {
+    int body = 0, candidate = 0;
+    double share = 0;  // of the group's load
+    Vec3 x;            // its mean place [m]
+  };
   // Those of one group: active_[first] ... active_[end - 1].
   struct Group {
     int first = 0, end = 0;
     bool guessed = false;
-    Vec3 v, w;  // then: the twist about the origin, relative to the layer
+    Twist twist;                  // then: of its first body about the origin, relative to the layer
+    std::vector<BodyLoad> loads;  // when the step is recorded
   };
   bool stiff(const System& system, Data& data, SoftPair& pair, double h) const;
   int island(const Data& data, const Group& group) const;
   void group_active();
   GroupRows& rows_of(const Group& group) { return rows_of_[&group - groups_.data()]; }
   void list_pressed(Rule rule, double h, Vec3 way, const Group& group);
+  Twist about_origin(const System& system, const Data& data, int body) const;
   bool guess(const System& system, Data& data, double h, Group& group);
   bool measure(const System& system, Data& data, double h, const Group& group);
   Vec3 middle(const System& system, Poses& pose, const Group& group) const;
@@ -86,7 +94,9 @@ class SoftContacts {
   void add_rows(const System& system, Data& data, const Group& group, double h,
                 const std::vector<Twist>& twists);
   Vec3 take_friction(const Group& group) const;
+  void find_loads(const System& system, Group& group);
   void record_row(const System& system, Data& data, const Contact& c);
+  void record_contact(const System& system, Data& data, const Contact& c);
   void record_points(const System& system, Data& data, const Entry& entry);
 
   SoftPairs pairs_;

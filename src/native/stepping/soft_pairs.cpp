@@ -66,6 +66,19 @@ void SoftPairs::list(const System& system, int shape, int other_static, int othe
   if (samples.size() > 0 && pair.thickness > 0) all_.push_back(pair);
 }
 
+namespace {
+
+// The body whose rows those of a shape on a static layer are: its own, or of a small part the nearest that is not.
+int bearing_body(const System& system, int shape) {
+  const Model& m = system.model;
+  int body = system.world.shapes[shape].body;
+  const double least = tune::kSmallPart * m.carried[m.root[body]];
+  while (m.mass[body] < least && body != m.root[body]) body = m.parent[body];
+  return body;
+}
+
+}  // namespace
+
 void SoftPairs::find_groups(const System& system) {
   std::map<std::array<int, 4>, int> known;
   first_.clear();
@@ -74,8 +87,10 @@ void SoftPairs::find_groups(const System& system) {
     const CollisionShape& shape = system.world.shapes[pair.shape];
     // The hulls of an object may be apart, and differ in friction.
     const int apart = shape.person >= 0 ? -1 : pair.shape;
-    const auto [at, added] = known.insert(
-        {{shape.body, apart, pair.other_static, pair.other_shape}, (int)first_.size()});
+    const bool bears = shape.person >= 0 && pair.other_static >= 0;
+    const int body = bears ? bearing_body(system, pair.shape) : shape.body;
+    const auto [at, added] =
+        known.insert({{body, apart, pair.other_static, pair.other_shape}, (int)first_.size()});
     if (added) first_.push_back(k);
     pair.group = at->second;
   }

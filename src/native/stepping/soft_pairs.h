@@ -3,7 +3,8 @@
 // A pair is a shape with samples and a static or another shape, one of them soft. Of two shapes a
 // person's samples press, else those of the smaller one. Pairs whose shapes belong to one body and that
 // have the same other make a group: what they press with is condensed together, so that a thigh of
-// three hulls has the rows of one. Lengths in [m].
+// three hulls has the rows of one. On a static, fingers belong to the hand (tuning.h, kSmallPart): one that lies on
+// a seat has the rows of one body, not of sixteen. Lengths in [m].
 #pragma once
 #include <vector>
 

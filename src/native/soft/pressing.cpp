@@ -62,6 +62,41 @@ void face(double area, NearSample& s) {
   s.area = area * cosine;
 }
 
+// Means over the depths d - e to d + e of the springs' pressure, of its slope, and of their energy.
+struct Spread {
+  const SoftLaw& law;
+  double t, e;
+
+  struct Mean {
+    double pressure, slope;
+  };
+  Mean mean(double d) const {
+    const Springs a = law.springs(d + e, t), b = law.springs(d - e, t);
+    const double whole = 1 / (2 * e);
+    return {(a.energy - b.energy) * whole, (a.pressure - b.pressure) * whole};
+  }
+  double energy(double d) const {
+    return (law.energy_sum(d + e, t) - law.energy_sum(d - e, t)) / (2 * e);
+  }
+  // The share of the piece that is pressed.
+  double share(double d) const { return std::clamp((d + e) / (2 * e), 0.0, 1.0); }
+};
+
+// The energy [J] at its depth, where the dashpot of the Maxwell arm has gone q [m].
+double stored(double q, const NearSample& s) {
+  if (s.area <= 0 || s.depth <= -s.edge) return 0;
+  const Spread at{s.law, s.thickness, s.edge};
+  const double arm = std::max(0.0, s.depth - q);
+  return s.area *
+         (at.energy(s.depth) + 0.5 * at.share(s.depth) * s.law.arm * s.law.stiffness * arm * arm);
+}
+
+// How far the dashpot of the Maxwell arm goes in a step of length h [m].
+double arm_way(double h, const NearSample& s) {
+  if (!(s.pressure > 0) || s.law.arm <= 0 || s.pressed <= 0) return 0;
+  return h / s.law.relaxation * s.arm / (s.law.arm * s.law.stiffness * s.pressed);
+}
+
 }  // namespace
 
 FoamPlace foam_place(const CollisionWorld& world, const Poses& pose, const SoftPair& pair) {
@@ -155,6 +190,7 @@ void find_near(const CollisionWorld& world, const SoftWorld& soft, const FoamCel
     face(samples.areas[s.sample], s);
     s.before = s.depth, s.first = s.x;
     if (s.law.arm > 0) s.gone = cells.gone(place.layer, place.local(s.frame.at), s.law, s.cell);
+    if (search.poses.turns()) s.stored = stored(s.gone, s);
   }
 }
 
@@ -194,26 +230,6 @@ bool find_depths(const CollisionWorld& world, const SoftWorld& soft, Poses& end,
 }
 
 namespace {
-
-// Means over the depths d - e to d + e of the springs' pressure, of its slope, and of their energy.
-struct Spread {
-  const SoftLaw& law;
-  double t, e;
-
-  struct Mean {
-    double pressure, slope;
-  };
-  Mean mean(double d) const {
-    const Springs a = law.springs(d + e, t), b = law.springs(d - e, t);
-    const double whole = 1 / (2 * e);
-    return {(a.energy - b.energy) * whole, (a.pressure - b.pressure) * whole};
-  }
-  double energy(double d) const {
-    return (law.energy_sum(d + e, t) - law.energy_sum(d - e, t)) / (2 * e);
-  }
-  // The share of the piece that is pressed.
-  double share(double d) const { return std::clamp((d + e) / (2 * e), 0.0, 1.0); }
-};
 
 void press_to_end(const Spread& at, double h, NearSample& s) {
   const SoftLaw& law = s.law;
@@ -257,9 +273,23 @@ void remember(const CollisionWorld& world, const Poses& end, double h, const Sof
   const FoamPlace place = foam_place(world, end, pair);
   for (const NearSample& s : pair.near) {
     if (!(s.pressure > 0) || s.law.arm <= 0 || s.pressed <= 0) continue;
-    const double went = h / s.law.relaxation * s.arm / (s.law.arm * s.law.stiffness * s.pressed);
-    cells.press(place.layer, place.local(s.frame.at), s.gone + went, s.pressed * s.area, s.cell);
+    cells.press(place.layer, place.local(s.frame.at), s.gone + arm_way(h, s), s.pressed * s.area,
+                s.cell);
   }
+}
+
+double given_back(double h, const SoftPair& pair) {
+  double sum = 0;
+  for (const NearSample& s : pair.near) {
+    const double went = arm_way(h, s), springs = s.stored - stored(s.gone + went, s);
+    if (s.pressure > 0) {
+      const double way = s.depth - s.before;
+      sum += springs - s.area * (s.pressed * s.law.damping * way * way / h + s.arm * went);
+    } else {
+      sum += std::min(0.0, springs);  // what does not push gives nothing
+    }
+  }
+  return sum;
 }
 
 void find_pressures(Rule rule, double h, SoftPair& pair) {

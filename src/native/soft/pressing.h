@@ -34,6 +34,7 @@ struct NearSample {
   Vec3 normal;             // outward; of a skin: at the start of the step
   double before = -1e300;  // depth at the start of the step [m]
   Vec3 first;              // x at the start of the step
+  double stored = 0;       // energy at the start of the step [J]; of a skin it is not known
   double gone = 0;         // q of the Maxwell arm at the start of the step [m]
   int cell = -1;           // where that was found (foam_cells.h)
   // Of its hard point, at the pose that it was measured at last:
@@ -140,6 +141,9 @@ struct PressedPart {
 PressedPart pressed_part(const NearSample& s);
 // The pressures of a step of length h [s] that ends there.
 void find_pressures(Rule rule, double h, SoftPair& pair);
+// The energy that the samples' springs have given back in that step, less what their dampers have
+// taken [J]; of a skin it is not known.
+double given_back(double h, const SoftPair& pair);
 // That step has been made, to that pose: what foam remembers of it.
 void remember(const CollisionWorld& world, const Poses& end, double h, const SoftPair& pair,
               FoamCells& cells);

@@ -195,7 +195,8 @@ void SoftContacts::look(const System& system, Data& data, double h, bool first) 
     IslandProgress& progress = data.attempt.islands[island(data, group)];
     if (!progress.open()) continue;
     group.guessed = false;
-    const bool again = progress.pass < tune::kMostLooks && !data.budget.out();
+    // Whatever the budget, layers push: without a first solve their rows would be missing.
+    const bool again = progress.pass < tune::kMostLooks && (first || !data.budget.out());
     const bool right =
         !(first && again && guess(system, data, h, group)) && measure(system, data, h, group);
     if (!right && again) progress.violated = true;
@@ -240,15 +241,39 @@ void SoftContacts::add_rows(const System& system, Data& data, const Group& group
   maker_.make(system, start, rule, person ? tune::kFirmTurn : 0, its, parting, rows_);
 }
 
-void SoftContacts::record_row(const System& system, Data& data, const Contact& c) {
+void SoftContacts::push_row(const System& system, Data& data, const Contact& c) {
   const ContactCandidate& k = data.attempt.candidates[c.pair];
   const int a = system.tree(k.shape), b = k.other_shape >= 0 ? system.tree(k.other_shape) : 0;
   data.result.disturbed[a] = 1;
   if (b > 0) data.result.disturbed[b] = 1;
   for_each_pushed(system, k, [&](int body) { data.step.pushed[body] = 1; });
+  rules_.push(system, data, k.island, a, b, c);
+}
+
+void SoftContacts::record_row(Data& data, const Contact& c) const {
+  const ContactCandidate& k = data.attempt.candidates[c.pair];
   Contact whole = c;
-  whole.impulse = rules_.record(system, data, rules_.of(k.island), a, b, c);
+  whole.impulse = rules_.whole(k.island, c);
   data.result.add(k, whole);
+}
+
+// `part`: the step was shortened, and nothing has been looked at where it ends.
+void SoftContacts::record_group(const System& system, Data& data, double h, bool part,
+                                const Group& group) {
+  friction_[pairs_.first_of_group(active_[group.first].pair)] = take_friction(group);
+  const int its_island = island(data, group);
+  for (int i = group.first; i < group.end; i++) {
+    const Entry& e = active_[i];
+    SoftPair& pair = pairs_[e.pair];
+    if (part) {
+      find_depths(system.world, system.soft, data.step.end, SoftPairs::way(system, data, pair),
+                  pair);
+      find_pressures(rules_.of(its_island), h, pair);
+    }
+    record_points(system, data, e);
+    if (rules_.balanced(its_island)) rules_.give(its_island, given_back(h, pair));
+    remember(system.world, data.step.end, h, pair, cells_);
+  }
 }
 
 void SoftContacts::record_points(const System& system, Data& data, const Entry& entry) {
@@ -279,23 +304,14 @@ void SoftContacts::record(const System& system, Data& data, double h,
   const auto made = [&](int candidate) {
     return share.empty() || share[data.islands.of(system, data.attempt.candidates[candidate])] >= 0;
   };
+  const auto pushes = [&](const Contact& c) { return norm2(c.impulse) > 0 && made(c.pair); };
   for (const Contact& c : rows_)
-    if (norm2(c.impulse) > 0 && made(c.pair)) record_row(system, data, c);
-  for (const Group& group : groups_) {
-    if (!made(active_[group.first].candidate)) continue;
-    friction_[pairs_.first_of_group(active_[group.first].pair)] = take_friction(group);
-    for (int i = group.first; i < group.end; i++) {
-      const Entry& e = active_[i];
-      SoftPair& pair = pairs_[e.pair];
-      if (!share.empty()) {
-        find_depths(system.world, system.soft, data.step.end, SoftPairs::way(system, data, pair),
-                    pair);
-        find_pressures(rules_.of(island(data, group)), h, pair);
-      }
-      record_points(system, data, e);
-      remember(system.world, data.step.end, h, pair, cells_);
-    }
-  }
+    if (pushes(c)) push_row(system, data, c);
+  for (const Group& group : groups_)
+    if (made(active_[group.first].candidate)) record_group(system, data, h, !share.empty(), group);
+  rules_.balance(system, data);
+  for (const Contact& c : rows_)
+    if (pushes(c)) record_row(data, c);
   rules_.end_record(system, data, share);
 }
 

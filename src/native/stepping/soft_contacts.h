@@ -86,7 +86,9 @@ class SoftContacts {
   void add_rows(const System& system, Data& data, const Group& group, double h,
                 const std::vector<Twist>& twists);
   Vec3 take_friction(const Group& group) const;
-  void record_row(const System& system, Data& data, const Contact& c);
+  void push_row(const System& system, Data& data, const Contact& c);
+  void record_row(Data& data, const Contact& c) const;
+  void record_group(const System& system, Data& data, double h, bool part, const Group& group);
   void record_points(const System& system, Data& data, const Entry& entry);
 
   SoftPairs pairs_;

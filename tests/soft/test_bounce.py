@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Sphere
+from halfphysics.scene.scene import Scene
 from support.soft import closed_forms as forms
-from support.soft.scenes import energies, on_floor, run, soft
+from support.soft.scenes import LYING, energies, on_floor, run, soft
 
 MASS, G, AREA = 10.0, forms.G, 0.16
 BOX = Box((0.4, 0.4, 0.2))
@@ -77,12 +78,11 @@ def test_damping_takes_what_its_equation_takes():
 @pytest.mark.parametrize("friction", [0.0, 0.7])
 @pytest.mark.parametrize("damping", [0.0, 1000.0])
 def test_energy_never_grows(damping, friction):
-    """Random drops and spins of five kinds of things; a layer without damping may give back."""
+    """Random drops and spins of kinds of things; a layer without damping may give back."""
     rng = np.random.default_rng(3)
-    # No thin plates: what is under an overhang is pressed by nothing, so that a foundation of
-    # springs is no potential for them (the plain integrator gains 3 % too).
-    shapes = (Box((0.3, 0.2, 0.15)), Sphere(0.12), Cylinder(0.1, 0.25), Capsule(0.08, 0.3))
-    for shape in shapes:
+    # Of the plate springs alone are no potential: what is under an overhang is pressed by nothing.
+    plate, box = Box((0.3, 0.3, 0.02)), Box((0.3, 0.2, 0.15))
+    for shape in (box, Sphere(0.12), Cylinder(0.1, 0.25), Capsule(0.08, 0.3), plate):
         layer = soft(10.0 ** rng.uniform(4.3, 6.5), damping, thickness=0.2)
         scene = on_floor(
             layer,
@@ -101,3 +101,20 @@ def test_energy_never_grows(damping, friction):
         thing, fastest = scene.objects["thing"], np.abs(result.velocities[:, :3]).max()
         chord = thing.mass * G * fastest / 480.0
         assert energy.max() <= energy[0] + 0.01 * (energy[0] - energy.min()) + chord
+
+
+def test_many_things_press_as_one_does():
+    """A step's budget of work ends: whatever it leaves out, every layer pushes."""
+
+    def rods(count):
+        scene = Scene()
+        scene.add_static("bed", Box((6.0, 2.0, 0.5)), position=(0, 0, -0.25), soft=soft(1e6))
+        for i in range(count):
+            place = {"position": (-2.5 + 0.3 * i, 0.0, 0.25), "quaternion": LYING}
+            rod = {"mass": 2.0, "velocity": (0.0, 0.0, -5.0), "friction": 0.5}
+            scene.add_object(f"rod{i}", Capsule(0.02, 0.6), **place, **rod)
+        return run(scene, 0.5, fps=60).positions[:, :, 2]
+
+    alone, together = rods(1), rods(12)
+    assert alone.min() < -0.005
+    np.testing.assert_allclose(together, np.broadcast_to(alone, together.shape), atol=0.001)

@@ -23,7 +23,7 @@ WIDEST, FINEST = 0.02, 0.002
 #: as it should to 1 %; flat faces are exact with any number.
 ROUND, FLAT = 16, 8
 #: Most samples of one shape; then they are farther apart.
-MOST = 20_000
+MOST = 4_000
 
 
 @dataclass(frozen=True, eq=False)

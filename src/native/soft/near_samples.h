@@ -25,6 +25,7 @@ class NearSamples {
     Before = Normal + 3,
     First,             // where the point above it was at the start of the step
     Gone = First + 3,  // q of the Maxwell arm then [m]
+    Stored,            // energy then [J]; of a skin it is not known
     Slack,             // how far beyond both thicknesses it may be pressed [m]
     Room,              // how far it was from there at the start, at least [m]
     // Of its hard point, at the pose that it was measured at last:

@@ -181,6 +181,7 @@ void find_near(const CollisionWorld& world, const SoftWorld& soft, const FoamCel
     near.celled[i] = true;
     near[N::Gone][i] = cells.gone(relaxation[i] * (1 + arm[i]), near.cell[i]);
   }
+  if (search.poses.turns()) store(near);
 }
 
 void guess_depths(double h, Vec3 v, Vec3 w, SoftPair& pair) { go_on(h, v, w, pair.near); }
@@ -231,13 +232,14 @@ void remember(const CollisionWorld& world, const Poses& end, double h, SoftPair&
   const FoamFrame foam = foam_frame(world, end, pair);
   N& near = pair.near;
   for (int i = 0; i < near.size(); i++) {
-    const double pressed = near[N::Pressed][i], arm = near[N::Arm][i] * near[N::Stiffness][i];
-    if (!(near[N::Pressure][i] > 0) || arm <= 0 || pressed <= 0) continue;
-    const double went = h / near[N::Relaxation][i] * near[N::ArmPressure][i] / (arm * pressed);
+    const double pressed = near[N::Pressed][i];
+    if (!(near[N::Pressure][i] > 0) || near[N::Arm][i] <= 0 || pressed <= 0) continue;
     near.cell[i].cell = foam.around(near.vector(N::At, i)), near.celled[i] = true;
-    cells.press(near[N::Gone][i] + went, pressed * near[N::Area][i], near.cell[i]);
+    cells.press(near[N::Gone][i] + arm_way(h, near, i), pressed * near[N::Area][i], near.cell[i]);
   }
 }
+
+double given_back(double h, const SoftPair& pair) { return given_back(h, pair.near); }
 
 void find_pressures(Rule rule, double h, SoftPair& pair) {
   rule == Rule::End ? press_to_end(h, pair.near) : press_by_mean(h, pair.near);

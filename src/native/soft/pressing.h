@@ -96,6 +96,9 @@ struct PressedPart {
 PressedPart pressed_part(const NearSamples& near, int i);
 // The pressures of a step of length h [s] that ends there.
 void find_pressures(Rule rule, double h, SoftPair& pair);
+// The energy that the samples' springs have given back in that step, less what their dampers have
+// taken [J]; of a skin it is not known.
+double given_back(double h, const SoftPair& pair);
 // That step has been made, to that pose: what foam remembers of it.
 void remember(const CollisionWorld& world, const Poses& end, double h, SoftPair& pair,
               FoamCells& cells);

@@ -158,4 +158,45 @@ void press_by_mean(double h, NearSamples& near) {
   }
 }
 
+double arm_way(double h, const NearSamples& near, int i) {
+  const double arm = near[N::Arm][i], pressed = near[N::Pressed][i];
+  if (!(near[N::Pressure][i] > 0) || arm <= 0 || pressed <= 0) return 0;
+  return h / near[N::Relaxation][i] * near[N::ArmPressure][i] /
+         (arm * near[N::Stiffness][i] * pressed);
+}
+
+namespace {
+
+// The energy [J] at its depth, where the dashpot of the Maxwell arm has gone q [m].
+double stored(double q, const NearSamples& near, int i) {
+  const double depth = near[N::Depth][i], e = near[N::Edge][i], area = near[N::Area][i];
+  if (area <= 0 || depth <= -e) return 0;
+  const Spread at{near.law(i), near[N::Thickness][i], e};
+  const double arm = std::max(0.0, depth - q);
+  return area *
+         (at.energy(depth) + 0.5 * at.share(depth) * at.law.arm * at.law.stiffness * arm * arm);
+}
+
+}  // namespace
+
+void store(NearSamples& near) {
+  for (int i = 0; i < near.size(); i++) near[N::Stored][i] = stored(near[N::Gone][i], near, i);
+}
+
+double given_back(double h, const NearSamples& near) {
+  double sum = 0;
+  for (int i = 0; i < near.size(); i++) {
+    const double went = arm_way(h, near, i);
+    const double springs = near[N::Stored][i] - stored(near[N::Gone][i] + went, near, i);
+    if (near[N::Pressure][i] > 0) {
+      const double way = near[N::Depth][i] - near[N::Before][i];
+      const double damper = near[N::Pressed][i] * near[N::Damping][i] * way * way / h;
+      sum += springs - near[N::Area][i] * (damper + near[N::ArmPressure][i] * went);
+    } else {
+      sum += std::min(0.0, springs);  // what does not push gives nothing
+    }
+  }
+  return sum;
+}
+
 }  // namespace hp

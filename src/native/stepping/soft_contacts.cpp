@@ -71,8 +71,7 @@ void SoftContacts::group_active() {
   std::stable_sort(active_.begin(), active_.end(),
                    [&](const Entry& a, const Entry& b) { return group(a) < group(b); });
   for (int i = 0; i < (int)active_.size(); i++) {
-    if (i == 0 || group(active_[i]) != group(active_[i - 1]))
-      groups_.push_back({i, i, false, {}, {}});
+    if (i == 0 || group(active_[i]) != group(active_[i - 1])) groups_.push_back({i, i, false, {}});
     groups_.back().end = i + 1;
   }
   if (rows_of_.size() < groups_.size()) rows_of_.resize(groups_.size());
@@ -201,7 +200,8 @@ void SoftContacts::look(const System& system, Data& data, double h, bool first) 
     IslandProgress& progress = data.attempt.islands[island(data, group)];
     if (!progress.open()) continue;
     group.guessed = false;
-    const bool again = progress.pass < tune::kMostLooks && !data.budget.out();
+    // Whatever the budget, layers push: without a first solve their rows would be missing.
+    const bool again = progress.pass < tune::kMostLooks && (first || !data.budget.out());
     const bool right =
         !(first && again && guess(system, data, h, group)) && measure(system, data, h, group);
     if (!right && again) progress.violated = true;
@@ -246,48 +246,54 @@ void SoftContacts::add_rows(const System& system, Data& data, const Group& group
   maker_.make(system, start, rule, person ? tune::kFirmTurn : 0, its, parting, rows_);
 }
 
-// What each body of a group presses with, by the samples that were looked at last: shares of the sum.
-void SoftContacts::find_loads(const System& system, Group& group) {
-  const GroupRows& its = rows_of(group);
-  const auto body_of = [&](const SoftPair* pair) { return system.world.shapes[pair->shape].body; };
-  group.loads.clear();
-  const auto alike = [&](const SoftPair* m) { return body_of(m) == body_of(its.members.front()); };
-  if (std::all_of(its.members.begin(), its.members.end(), alike)) return;
-  double sum = 0;
-  for (const PressedSample& p : its.pressed) {
-    const int body = body_of(its.members[p.member]);
-    auto at = std::find_if(group.loads.begin(), group.loads.end(),
-                           [&](const BodyLoad& load) { return load.body == body; });
-    if (at == group.loads.end())
-      at = group.loads.insert(at, {body, its.candidates[p.member], 0, {}});
-    at->share += p.impulse, at->x += p.impulse * p.x;
-    sum += p.impulse;
-  }
-  for (BodyLoad& load : group.loads) load.x = (1 / load.share) * load.x, load.share /= sum;
-}
-
-// A row of several bodies is recorded as a contact of each.
-void SoftContacts::record_row(const System& system, Data& data, const Contact& c) {
-  const auto its = [&](const Group& group) { return has(group, c.pair); };
-  const auto group = std::find_if(groups_.begin(), groups_.end(), its);
-  if (group == groups_.end() || group->loads.size() < 2) return record_contact(system, data, c);
-  for (const BodyLoad& load : group->loads) {
-    Contact part = c;
-    part.pair = load.candidate, part.position = load.x;
-    part.impulse = load.share * c.impulse;
-    record_contact(system, data, part);
-  }
-}
-
-void SoftContacts::record_contact(const System& system, Data& data, const Contact& c) {
+void SoftContacts::push_row(const System& system, Data& data, const Contact& c) {
   const ContactCandidate& k = data.attempt.candidates[c.pair];
   const int a = system.tree(k.shape), b = k.other_shape >= 0 ? system.tree(k.other_shape) : 0;
   data.result.disturbed[a] = 1;
   if (b > 0) data.result.disturbed[b] = 1;
-  for_each_pushed(system, k, [&](int body) { data.step.pushed[body] = 1; });
+  const auto push = [&](int body) { data.step.pushed[body] = 1; };
+  for_each_pushed(system, k, push);
+  for (const BodyLoad& load : loads_of(c))
+    for_each_pushed(system, data.attempt.candidates[load.candidate], push);
+  rules_.push(system, data, k.island, a, b, c);
+}
+
+// A row of several bodies is recorded as a contact of each.
+void SoftContacts::record_row(Data& data, const Contact& c) const {
   Contact whole = c;
-  whole.impulse = rules_.record(system, data, rules_.of(k.island), a, b, c);
-  data.result.add(k, whole);
+  whole.impulse = rules_.whole(data.attempt.candidates[c.pair].island, c);
+  if (loads_of(c).empty()) data.result.add(data.attempt.candidates[c.pair], whole);
+  for (const BodyLoad& load : loads_of(c)) {
+    Contact part = whole;
+    part.position = load.x, part.impulse = load.share * whole.impulse;
+    data.result.add(data.attempt.candidates[load.candidate], part);
+  }
+}
+
+// Those of the group of a row; none if it has one body.
+const std::vector<BodyLoad>& SoftContacts::loads_of(const Contact& row) const {
+  size_t k = 0;
+  while (!has(groups_[k], row.pair)) k++;
+  return rows_of_[k].loads;
+}
+
+// `part`: the step was shortened, and nothing has been looked at where it ends.
+void SoftContacts::record_group(const System& system, Data& data, double h, bool part,
+                                const Group& group) {
+  friction_[pairs_.first_of_group(active_[group.first].pair)] = take_friction(group);
+  const int its_island = island(data, group);
+  for (int i = group.first; i < group.end; i++) {
+    const Entry& e = active_[i];
+    SoftPair& pair = pairs_[e.pair];
+    if (part) {
+      find_depths(system.world, system.soft, data.step.end, SoftPairs::way(system, data, pair),
+                  pair);
+      find_pressures(rules_.of(its_island), h, pair);
+    }
+    if (data.step.last) record_points(system, data, e);
+    if (rules_.balanced(its_island)) rules_.give(its_island, given_back(h, pair));
+    remember(system.world, data.step.end, h, pair, cells_);
+  }
 }
 
 void SoftContacts::record_points(const System& system, Data& data, const Entry& entry) {
@@ -323,24 +329,15 @@ void SoftContacts::record(const System& system, Data& data, double h,
   const auto made = [&](int candidate) {
     return share.empty() || share[data.islands.of(system, data.attempt.candidates[candidate])] >= 0;
   };
-  for (Group& group : groups_) find_loads(system, group);
+  for (const Group& group : groups_) find_loads(system, rows_of(group));
+  const auto pushes = [&](const Contact& c) { return norm2(c.impulse) > 0 && made(c.pair); };
   for (const Contact& c : rows_)
-    if (norm2(c.impulse) > 0 && made(c.pair)) record_row(system, data, c);
-  for (const Group& group : groups_) {
-    if (!made(active_[group.first].candidate)) continue;
-    friction_[pairs_.first_of_group(active_[group.first].pair)] = take_friction(group);
-    for (int i = group.first; i < group.end; i++) {
-      const Entry& e = active_[i];
-      SoftPair& pair = pairs_[e.pair];
-      if (!share.empty()) {
-        find_depths(system.world, system.soft, data.step.end, SoftPairs::way(system, data, pair),
-                    pair);
-        find_pressures(rules_.of(island(data, group)), h, pair);
-      }
-      if (data.step.last) record_points(system, data, e);
-      remember(system.world, data.step.end, h, pair, cells_);
-    }
-  }
+    if (pushes(c)) push_row(system, data, c);
+  for (const Group& group : groups_)
+    if (made(active_[group.first].candidate)) record_group(system, data, h, !share.empty(), group);
+  rules_.balance(system, data);
+  for (const Contact& c : rows_)
+    if (pushes(c)) record_row(data, c);
   rules_.end_record(system, data, share);
 }
 

@@ -67,18 +67,11 @@ class SoftContacts {
   struct Entry {
     int pair = 0, candidate = 0;
   };
-  // What one body of a group presses with, and the candidate that it is recorded as.
-  struct BodyLoad {
-    int body = 0, candidate = 0;
-    double share = 0;  // of the group's load
-    Vec3 x;            // its mean place [m]
-  };
   // Those of one group: active_[first] ... active_[end - 1].
   struct Group {
     int first = 0, end = 0;
     bool guessed = false;
-    Twist twist;                  // then: of its first body about the origin, relative to the layer
-    std::vector<BodyLoad> loads;  // when the step is recorded
+    Twist twist;  // then: of its first body about the origin, relative to the layer
   };
   bool stiff(const System& system, Data& data, SoftPair& pair, double h) const;
   int island(const Data& data, const Group& group) const;
@@ -94,9 +87,10 @@ class SoftContacts {
   void add_rows(const System& system, Data& data, const Group& group, double h,
                 const std::vector<Twist>& twists);
   Vec3 take_friction(const Group& group) const;
-  void find_loads(const System& system, Group& group);
-  void record_row(const System& system, Data& data, const Contact& c);
-  void record_contact(const System& system, Data& data, const Contact& c);
+  const std::vector<BodyLoad>& loads_of(const Contact& row) const;
+  void push_row(const System& system, Data& data, const Contact& c);
+  void record_row(Data& data, const Contact& c) const;
+  void record_group(const System& system, Data& data, double h, bool part, const Group& group);
   void record_points(const System& system, Data& data, const Entry& entry);
 
   SoftPairs pairs_;

@@ -4,6 +4,26 @@
 
 namespace hp {
 
+void find_loads(const System& system, GroupRows& group) {
+  const auto body_of = [&](const SoftPair* pair) { return system.world.shapes[pair->shape].body; };
+  const auto alike = [&](const SoftPair* m) {
+    return body_of(m) == body_of(group.members.front());
+  };
+  std::vector<BodyLoad>& loads = group.loads;
+  loads.clear();
+  if (std::all_of(group.members.begin(), group.members.end(), alike)) return;
+  double sum = 0;
+  for (const PressedSample& p : group.pressed) {
+    const int body = body_of(group.members[p.member]);
+    const auto its = [&](const BodyLoad& load) { return load.body == body; };
+    auto at = std::find_if(loads.begin(), loads.end(), its);
+    if (at == loads.end()) at = loads.insert(at, {body, group.candidates[p.member], 0, {}});
+    at->share += p.impulse, at->x += p.impulse * p.x;
+    sum += p.impulse;
+  }
+  for (BodyLoad& load : loads) load.x = (1 / load.share) * load.x, load.share /= sum;
+}
+
 Contact RowMaker::row(const System& system, Poses& start, Rule rule, const GroupRows& group,
                       const PatchPoint& point) {
   const World& world = system.world;

@@ -11,6 +11,13 @@
 
 namespace hp {
 
+// What one body of a group presses with.
+struct BodyLoad {
+  int body = 0, candidate = 0;  // that it is recorded as
+  double share = 0;             // of the group's load
+  Vec3 x;                       // its mean place [m]
+};
+
 // A group in one solve.
 struct GroupRows {
   std::vector<const SoftPair*> members;
@@ -18,10 +25,14 @@ struct GroupRows {
   std::vector<PressedSample> pressed;
   // What takes places of the pose that samples were looked at to that of the start.
   Vec3 back;
-  Vec3 along;  // friction that is expected, an impulse [N s]
+  Vec3 along;                   // friction that is expected, an impulse [N s]
+  std::vector<BodyLoad> loads;  // of a step that is recorded, if there is more than one
 
   void clear() { members.clear(), candidates.clear(), pressed.clear(); }
 };
+
+// Finds its loads, by the samples under pressure.
+void find_loads(const System& system, GroupRows& group);
 
 class RowMaker {
  public:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 import halfphysics as hp
+from halfphysics.base import rotations as rot
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Sphere
 from halfphysics.motion.motion import Motion
 from halfphysics.scene.scene import Scene
@@ -20,6 +21,7 @@ from halfphysics.simulation.simulator import Simulator
 from support.fuzz_cases import Person, body_of, motion_of
 from support.judges.clear_judge import Judge
 from support.judges.coal_scene import Watch
+from support.references.mesh_queries import winding_reference
 from support.soft.frames import Seen, hard
 from support.throws import POSES
 
@@ -231,7 +233,18 @@ def clear(simulator, scene, motions):
     for gap, one, other in Watch(seen).gaps(start, statics="things"):
         if gap < ROOM and one not in out and other not in out:
             out.add(one if one in scene.objects else other)
+    # Coal's meshes are hollow: what lies inside one whole is clear of its surface.
+    for static in scene.statics.values():
+        if not isinstance(static.shape, Plane):
+            out.update(n for n, o in scene.objects.items() if holds(static, o.position))
     return without(scene, out)
+
+
+def holds(item, point):
+    """Is a point (3,) inside a static?"""
+    vertices, faces = item.shape.triangles()
+    local = rot.to_matrix(item.quaternion).T @ (np.asarray(point) - item.position)
+    return bool(winding_reference(local[None], vertices, faces)[0] > 0.5)
 
 
 def without(scene, names):

@@ -170,6 +170,17 @@ void JointRanges::yield(const System& system, Data& data, int island) {
   }
 }
 
+bool JointRanges::let_go(const System& system, Data& data) {
+  bool any = false;
+  for (size_t p = 0; p < system.drives.size(); p++) {
+    const Drive& d = system.drives[p];
+    if (d.ranges.empty() || !system.active(d) || gone(system, data, (int)p)) continue;
+    data.step.yielded[d.body(0)] = tune::kRangeLevels;
+    any = true;
+  }
+  return any;
+}
+
 bool JointRanges::gone(const System& system, const Data& data, int person) {
   return data.step.yielded[system.drives[person].body(0)] == tune::kRangeLevels;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "collision/relative_travel.h"
+#include "stepping/joint_ranges.h"
 #include "tuning.h"
 
 namespace hp {
@@ -248,7 +249,11 @@ double SubStepping::catch_up(double h, double left, bool begun) {
   State& state = data_.state;
   double length = begun ? left : tune::kShorterPiece * left;
   for (int piece = 1; left > tune::kNoTimeLeft * h; piece++) {
-    if (piece > tune::kMostPieces || data_.budget.out()) return left;
+    if (piece > tune::kMostPieces || data_.budget.out()) {
+      // Rather than that time is lost, joints leave their ranges.
+      if (!JointRanges::let_go(system_, data_)) return left;
+      piece = tune::kMostPieces, length = left;
+    }
     if (begun) {
       // The velocities are kept: what contacts gave is in them.
       data_.cache.clear();

@@ -75,9 +75,9 @@ def carried_share(
 ) -> Array:
     """Share of a person's weight that soft things carry (T,): their force upward over the weight.
 
-    The force of all contacts with what the person presses, friction and hard frame included, mean over
-    the frame: pressures alone would count what a backrest presses upwards and its friction takes back.
-    Zero where nothing is soft, and without gravity.
+    The force of all contacts with what the person presses, friction and hard frame included, mean
+    over the frame: pressures alone would count what a backrest presses upwards and its friction
+    takes back. Zero where nothing is soft, and without gravity.
 
     Args:
         result: The result.

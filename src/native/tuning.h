@@ -1009,9 +1009,9 @@ constexpr double kRestsOnLayers = 0.2, kMovesOnLayers = 0.4, kTurnArm = 0.3, kCo
 // supplies it: some 40 N m/rad, where a mattress has 14,000; at 5 the centre of pressure stays 2 cm off. Seated, feet on
 // the ground do: at 11 a person on a sofa leaves 86 % of the weight on seat and rest, at 5 79 %; people 69 to 81.
 constexpr double kLyingRate = 2, kSeatedRate = 5;
-// Who has no feet on the ground turns freely if no more of the pelvis' axis than the first of these is vertical, and not at
-// all from the other on.
-constexpr double kLiesFlat = 0.5, kSitsUp = 0.7;
+// Who has no feet on the ground turns freely if no more of the pelvis' axis than the first of these is vertical; from the
+// second on it sits, and does so only where it leans by no more than the third, and not at all from the last on [rad].
+constexpr double kLiesFlat = 0.5, kSitsUp = 0.7, kLeansFreely = 0.25, kLeansHeld = 0.5;
 // Feet are no nearer to below the centre of mass than this, as levers [m], and carry no more of the weight of who sits.
 constexpr double kShortestLever = 0.1, kMostOnFeet = 0.5;
 // Rate at which a person on layers loses velocity off its motion [1/s], by a force that nothing supplies: what is left of

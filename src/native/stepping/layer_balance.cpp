@@ -63,9 +63,12 @@ Vec3 feet_moment(OnLayers& layers, const Whole& body, Vec3 centre, Vec3 spring, 
   return (weight * share * length) * about + std::clamp(dot(spring, ahead), -roll, roll) * ahead;
 }
 
-// How free the root is to turn: somebody upright whom no feet hold would fall off its seat.
-double turns_freely(const OnLayers& layers, Vec3 up) {
-  return layers.feet().on ? 1 : fades(std::fabs(up.z), tune::kLiesFlat, tune::kSitsUp);
+// How free the root is to turn, which leans so far off the motion [rad]: somebody upright whom no feet hold would fall
+// off its seat in the end.
+double turns_freely(const OnLayers& layers, Vec3 up, double leans) {
+  if (layers.feet().on) return 1;
+  return std::max(fades(std::fabs(up.z), tune::kLiesFlat, tune::kSitsUp),
+                  fades(leans, tune::kLeansFreely, tune::kLeansHeld));
 }
 
 }  // namespace
@@ -91,15 +94,16 @@ void balance_on_layers(System& system, Data& data, Drive& d, double h) {
   if (r == 0) return;
   // And that of a body which is free.
   const Mat3 R = data.state.pose.kin.xmat[root];
-  const double turns = turns_freely(layers, R.col(1));
+  const Quat off = data.state.pose.kin.xquat[root] * conjugate(d.motion.after(d.balls()[0]));
+  const Vec3 turned = log_quat(off);
+  const double turns = turns_freely(layers, R.col(1), elementary::hypot(turned.x, turned.y));
   for (int i = 0; i < 6; i++) change[first + i] *= i < 3 ? 0 : 1 - turns;
   data.inertia.multiply(system, d, change.data(), momentum.data());
   d.reference(reference.data());
   const Whole body = whole(data.inertia.inertia(), root);
   const Vec3 linear = load3(&momentum[first]);
   const Vec3 angular = R * load3(&momentum[first + 3]) - cross(body.arm, linear);
-  const Quat off = data.state.pose.kin.xquat[root] * conjugate(d.motion.after(d.balls()[0]));
-  Vec3 spring = -(body.inertia * log_quat(off));
+  Vec3 spring = -(body.inertia * turned);
   spring.z = 0;  // friction holds how it lies
   const Vec3 held = feet_moment(layers, body, data.state.pose.kin.xpos[root] + body.arm, spring,
                                 norm(system.gravity));

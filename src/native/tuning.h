@@ -1012,6 +1012,9 @@ constexpr double kLyingRate = 2, kSeatedRate = 5;
 // Who has no feet on the ground turns freely if no more of the pelvis' axis than the first of these is vertical; from the
 // second on it sits, and does so only where it leans by no more than the third, and not at all from the last on [rad].
 constexpr double kLiesFlat = 0.5, kSitsUp = 0.7, kLeansFreely = 0.25, kLeansHeld = 0.5;
+// Whose feet are nearer than the first of these to below its centre of mass, along the ground, squats over them; from the
+// second on it sits behind them [m].
+constexpr double kSquats = 0.2, kSitsBehind = 0.3;
 // Feet are no nearer to below the centre of mass than this, as levers [m], and carry no more of the weight of who sits.
 constexpr double kShortestLever = 0.1, kMostOnFeet = 0.5;
 // Rate at which a person on layers loses velocity off its motion [1/s], by a force that nothing supplies: what is left of

@@ -19,7 +19,8 @@
 // nothing supplies the spring, which is too weak to matter. So at rest forces and moments of layers and feet sum to nothing
 // with the weight, and the person turns until they do: somebody upright with the feet on nothing leans until the pressure
 // under its seat and thighs is below its centre of mass. A narrow cushion would let it fall over: from kLeansFreely
-// on, wholly from kLeansHeld on, the drive holds who sits upright so, and that moment is held by nothing.
+// on, wholly from kLeansHeld on, the drive holds who sits upright so, and that moment is held by nothing. So it does with
+// who squats over feet that stand in a layer.
 #pragma once
 #include "stepping/data.h"
 

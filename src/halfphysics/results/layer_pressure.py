@@ -73,9 +73,11 @@ def _of_pair(result: Result, rows: SoftContacts) -> LayerPressure:
 def carried_share(
     result: Result, person: int, pairs: Sequence[LayerPressure] | None = None
 ) -> Array:
-    """Share of a person's weight that soft layers carry (T,): their force upward over the weight.
+    """Share of a person's weight that soft things carry (T,): their force upward over the weight.
 
-    Zero where nothing is soft, and without gravity.
+    The force of all contacts with what the person presses, friction and hard frame included, mean
+    over the frame: pressures alone would count what a backrest presses upwards and its friction
+    takes back. Zero where nothing is soft, and without gravity.
 
     Args:
         result: The result.
@@ -90,8 +92,11 @@ def carried_share(
     g = float(np.linalg.norm(gravity))
     if g == 0.0:
         return np.zeros(len(result))
+    found = pressures(result) if pairs is None else pairs
+    layers = [result.names.index(its.layer) for its in found if its.other == name]
+    contacts = result.contacts
+    rows = contacts[(contacts.person == person) & np.isin(contacts.other, layers)]
     lifted = np.zeros((len(result), 3))
-    for its in pressures(result) if pairs is None else pairs:
-        lifted += its.force if its.other == name else 0.0
+    np.add.at(lifted, rows.frame, result.fps * rows.impulse)
     share: Array = lifted @ (-gravity / g) / (result.people[person].body.mass * g)
     return share

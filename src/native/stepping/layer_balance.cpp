@@ -63,9 +63,21 @@ Vec3 feet_moment(OnLayers& layers, const Whole& body, Vec3 centre, Vec3 spring, 
   return (weight * share * length) * about + std::clamp(dot(spring, ahead), -roll, roll) * ahead;
 }
 
-// How free the root is to turn: somebody upright whom no feet hold would fall off its seat.
-double turns_freely(const OnLayers& layers, Vec3 up) {
-  return layers.feet().on ? 1 : fades(std::fabs(up.z), tune::kLiesFlat, tune::kSitsUp);
+// How far the feet are from below a place, along the ground [m]; they count whatever they are on.
+double feet_away(const Drive& d, const Kinematics& kin, Vec3 centre) {
+  const std::vector<Leg>& legs = d.footing.model->legs;
+  Vec3 feet;
+  for (const Leg& leg : legs) feet += (1.0 / (double)legs.size()) * kin.xpos[leg.ankle];
+  return elementary::hypot(feet.x - centre.x, feet.y - centre.y);
+}
+
+// How free the root is to turn, which leans so far off the motion [rad]: somebody upright whom no feet on the ground hold
+// would fall off its seat in the end, and over feet that are below it (`away` from there), as who squats.
+double turns_freely(const OnLayers& layers, Vec3 up, double leans, double away) {
+  if (layers.feet().on) return 1;
+  const double squats = fades(away, tune::kSquats, tune::kSitsBehind);
+  return std::max(fades(std::fabs(up.z), tune::kLiesFlat, tune::kSitsUp),
+                  (1 - squats) * fades(leans, tune::kLeansFreely, tune::kLeansHeld));
 }
 
 }  // namespace
@@ -91,18 +103,20 @@ void balance_on_layers(System& system, Data& data, Drive& d, double h) {
   if (r == 0) return;
   // And that of a body which is free.
   const Mat3 R = data.state.pose.kin.xmat[root];
-  const double turns = turns_freely(layers, R.col(1));
+  const Quat off = data.state.pose.kin.xquat[root] * conjugate(d.motion.after(d.balls()[0]));
+  const Vec3 turned = log_quat(off);
+  const Whole body = whole(data.inertia.inertia(), root);
+  const Vec3 centre = data.state.pose.kin.xpos[root] + body.arm;
+  const double turns = turns_freely(layers, R.col(1), elementary::hypot(turned.x, turned.y),
+                                    feet_away(d, data.state.pose.kin, centre));
   for (int i = 0; i < 6; i++) change[first + i] *= i < 3 ? 0 : 1 - turns;
   data.inertia.multiply(system, d, change.data(), momentum.data());
   d.reference(reference.data());
-  const Whole body = whole(data.inertia.inertia(), root);
   const Vec3 linear = load3(&momentum[first]);
   const Vec3 angular = R * load3(&momentum[first + 3]) - cross(body.arm, linear);
-  const Quat off = data.state.pose.kin.xquat[root] * conjugate(d.motion.after(d.balls()[0]));
-  Vec3 spring = -(body.inertia * log_quat(off));
+  Vec3 spring = -(body.inertia * turned);
   spring.z = 0;  // friction holds how it lies
-  const Vec3 held = feet_moment(layers, body, data.state.pose.kin.xpos[root] + body.arm, spring,
-                                norm(system.gravity));
+  const Vec3 held = feet_moment(layers, body, centre, spring, norm(system.gravity));
   const double share = h / d.scale(system.drive_settings, h);
   const Change free = pushed(body, -linear, turns * (share * held - angular));
   const Vec3 w = to_matrix(conjugate(data.state.pose.kin.xquat[root])) * free.w;

@@ -16,9 +16,11 @@
 // `legs` is what hangs on feet if legs do nothing (shank, foot and half of the thigh), N_s = -I kSeatedRate^2 xi a weak
 // spring back to the motion's orientation, limited to what feet can do: they push up, by kMostOnFeet at most, and their
 // breadth times F about the other axis. Layers have the rest of the weight: w = 1 - N_f. Without feet on the ground
-// nothing supplies the spring, which is too weak to matter; somebody upright has no balance then (a cushion would let it
-// fall over), and is turned by the drive. So at rest forces and moments of layers and feet sum to nothing with the
-// weight, and the person turns until they do.
+// nothing supplies the spring, which is too weak to matter. So at rest forces and moments of layers and feet sum to nothing
+// with the weight, and the person turns until they do: somebody upright with the feet on nothing leans until the pressure
+// under its seat and thighs is below its centre of mass. A narrow cushion would let it fall over: from kLeansFreely
+// on, wholly from kLeansHeld on, the drive holds who sits upright so, and that moment is held by nothing. So it does with
+// who squats over feet that stand in a layer.
 #pragma once
 #include "stepping/data.h"
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from halfphysics.geometry.shapes import Box
+import halfphysics as hp
+from halfphysics.geometry.shapes import Box, Sphere
 from halfphysics.simulation.simulator import Simulator
 from support.soft.foam import Foam, creep, press
 from support.soft.scenes import energies, on_floor, pressures, run, soft
@@ -113,3 +114,12 @@ def test_the_sofa_remembers_and_a_saved_state_too():
     for _ in range(20):
         a, b = one.step([]), other.step([])
         np.testing.assert_array_equal(a.substeps, b.substeps)
+
+
+def test_what_has_bounced_rests_at_one_depth_with_any_substeps():
+    def rests(substeps):
+        scene = on_floor(hp.Soft.named("sofa"), Sphere(0.11), 0.6, mass=3.0)
+        return run(scene, 3.0, substeps=substeps).height[-1]
+
+    depths = [rests(n) for n in (4, 8, 16)]
+    assert np.ptp(depths) < 0.0005

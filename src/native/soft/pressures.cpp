@@ -172,7 +172,7 @@ double stored(double q, const NearSamples& near, int i) {
   const double depth = near[N::Depth][i], e = near[N::Edge][i], area = near[N::Area][i];
   if (area <= 0 || depth <= -e) return 0;
   const Spread at{near.law(i), near[N::Thickness][i], e};
-  const double arm = std::max(0.0, depth - q);
+  const double arm = depth - q;  // foam that comes back slowly pulls on its springs
   return area *
          (at.energy(depth) + 0.5 * at.share(depth) * at.law.arm * at.law.stiffness * arm * arm);
 }
@@ -186,15 +186,11 @@ void store(NearSamples& near) {
 double given_back(double h, const NearSamples& near) {
   double sum = 0;
   for (int i = 0; i < near.size(); i++) {
-    const double went = arm_way(h, near, i);
+    if (!(near[N::Pressure][i] > 0)) continue;  // what does not push gives and takes nothing
+    const double went = arm_way(h, near, i), way = near[N::Depth][i] - near[N::Before][i];
     const double springs = near[N::Stored][i] - stored(near[N::Gone][i] + went, near, i);
-    if (near[N::Pressure][i] > 0) {
-      const double way = near[N::Depth][i] - near[N::Before][i];
-      const double damper = near[N::Pressed][i] * near[N::Damping][i] * way * way / h;
-      sum += springs - near[N::Area][i] * (damper + near[N::ArmPressure][i] * went);
-    } else {
-      sum += std::min(0.0, springs);  // what does not push gives nothing
-    }
+    const double damper = near[N::Pressed][i] * near[N::Damping][i] * way * way / h;
+    sum += springs - near[N::Area][i] * (damper + near[N::ArmPressure][i] * went);
   }
   return sum;
 }

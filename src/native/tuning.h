@@ -978,8 +978,7 @@ constexpr double kWadeTime = 0.3;
 // A leg that carries gives way by what the person rises in this time, and stretches as it falls [s]: it damps the
 // bounce, 0.4 of the critical at 14 rad/s.
 constexpr double kWadeGives = 0.06;
-// Rate of the way down of a foot of somebody whom layers carry [rad/s]: its share of the weight and the person's height
-// are smooth already.
+// Rate of the way down of a foot on layers, whose share is smooth already [rad/s].
 constexpr double kWadeLower = 80;
 
 // underfoot.cpp, on_layers.cpp, stepping/layer_load.cpp
@@ -1001,10 +1000,9 @@ constexpr double kSeatShare = 0.5, kLeastLayerShare = 0.01;
 // Firmness of the joints of the legs of somebody whom layers carry, who bears the weight on them: at 1 ankles on a
 // mattress give way by 30 degrees, at 30 by 2.
 constexpr double kLegFirmness = 30;
-// Somebody on layers rests whose motion moves the root slower than this, and moves from the other speed on [m/s]; a turn
-// counts at this distance [m]. Who shifts on a sofa (0.1 m/s) rests, who slides into a bed (0.5 m/s) moves: friction would
-// hold it where it is. How fast that comes to be [s].
-constexpr double kRestsOnLayers = 0.2, kMovesOnLayers = 0.4, kTurnArm = 0.3, kComesToRest = 0.2;
+// Somebody on layers rests whose root moves slower than this, and moves from the other speed on [m/s]; a turn counts at
+// this distance [m]. How fast that comes to be [s].
+constexpr double kRestsOnLayers = 0.05, kMovesOnLayers = 0.15, kTurnArm = 0.3, kComesToRest = 0.2;
 // Rate of the spring that turns the root of somebody who rests on layers back to the motion [rad/s]. Lying, nothing
 // supplies it: some 40 N m/rad, where a mattress has 14,000; at 5 the centre of pressure stays 2 cm off. Seated, feet on
 // the ground do: at 11 a person on a sofa leaves 86 % of the weight on seat and rest, at 5 79 %; people 69 to 81.
@@ -1017,10 +1015,9 @@ constexpr double kLiesFlat = 0.5, kSitsUp = 0.7, kLeansFreely = 0.25, kLeansHeld
 constexpr double kSquats = 0.2, kSitsBehind = 0.3;
 // Feet are no nearer to below the centre of mass than this, as levers [m], and carry no more of the weight of who sits.
 constexpr double kShortestLever = 0.1, kMostOnFeet = 0.5;
-// Rate at which a person on layers loses velocity off its motion [1/s], by a force that nothing supplies: what is left of
-// muscles and flesh. At 10 it carries 13 % of the weight of somebody who shifts on a sofa; at 100, as the drive has it,
-// sinking takes seconds. On the feet, whose legs damp most of it: at 3 who stands on a mattress bounces for seconds.
-constexpr double kLayerDamping = 3, kWadeDamping = 7;
+// Rate at which a person who rests on layers loses velocity off its motion, up or down [1/s]: what muscles and flesh
+// damp, some 0.3 of the critical on a mattress. At 100, as the drive has it, sinking takes seconds.
+constexpr double kLayerDamping = 10;
 
 // stepping/reference_clock.cpp
 

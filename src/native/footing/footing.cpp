@@ -133,8 +133,6 @@ double Footing::wanted_lift(size_t leg, double height, double rises, double dt) 
       if (sits() && layers.carry()) up *= 1 - carries;
     }
   }
-  // Its height is that of the layers, smooth already.
-  if (sits() && layers.carry()) down = tune::kWadeLower;
   double& sinking = sinking_[leg];
   if (up > lift) {
     sinking = 0;

@@ -54,10 +54,7 @@ void OnLayers::aim(const std::vector<BearingPoint>& others, size_t soles, double
   }
   if (all > 0 && !feet_.on) rest_ = 0;
   target_ = 1;
-  if (points.empty()) {
-    if (share_ == 0) share_ = 1;  // it comes down on them, and nothing has carried it before
-    return;
-  }
+  if (points.empty()) return;
   if (!sits && pressed_ < tune::kBrushes) {  // it stands, and a hand is on a cushion
     carry_ = false;
     share_ = target_ = 0;
@@ -75,12 +72,6 @@ void OnLayers::advance(double h) {
   if (!carry_) return;
   const double goal = target_ + (feet_.on ? rest_ * (1 - feet_share_ - target_) : 0);
   share_ += (1 - elementary::exp(-h / tune::kLayerShareTime)) * (goal - share_);
-}
-
-OnLayers::Pushes OnLayers::since(Pushes sum) {
-  const Pushes before = pushes_;
-  pushes_ = sum;
-  return {sum.soft - before.soft, sum.hard - before.hard};
 }
 
 void OnLayers::pressed(double weights, Vec3 centre, double dt) {

@@ -10,8 +10,8 @@
 //
 // so that all moments about the ground point under the centre of mass balance: the law of the lever. Where that
 // leaves a choice (soles are long) layers keep what they have, and have half of it at least under somebody who sits
-// or lies on them. w = 1 where nothing else carries, at once for who comes down on a layer. Who leans forward to stand
-// up has its centre of mass over its feet: then w is 0, the seat pushes it up to its surface, and footing has it again.
+// or lies on them. w = 1 where nothing else carries. Who leans forward to stand up has its centre of mass over its feet: then w is 0, the seat
+// pushes it up to its surface, and footing has it again.
 #pragma once
 #include <vector>
 
@@ -48,13 +48,6 @@ class OnLayers {
   void feet_carry(double share) { feet_share_ = share; }
   // Time `h` [s] passes.
   void advance(double h);
-  // Impulses that have pushed the person upwards [N s]: those of layers, and those of what is hard.
-  struct Pushes {
-    double soft = 0, hard = 0;
-  };
-  // A frame is stepped; its pushes so far are `sum`: those since this was last asked.
-  void begin_frame() { pushes_ = {}; }
-  Pushes since(Pushes sum);
   // In a frame of length dt [s] layers have pressed with so much of the person's weight, at `centre`.
   void pressed(double weights, Vec3 centre, double dt);
 
@@ -72,7 +65,6 @@ class OnLayers {
   Vec3 centre_;                    // of their pressure, smoothed [m]
   double rest_ = 0, feet_share_ = 0;
   Feet feet_;
-  Pushes pushes_;  // of the frame so far
 };
 
 }  // namespace hp

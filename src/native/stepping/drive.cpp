@@ -67,6 +67,9 @@ void Drive::begin_frame(const DriveSettings& s, const double* qpos, double* qvel
   for (int i = 0; i < nv; i++) gain_[i] = qvel[first_dof() + i] - deviation_[i];
   motion.reference(v_ref_.data());
   for (int i = 0; i < nv; i++) gain_[i] = motion.first() ? 0 : rate * (v_ref_[i] - gain_[i]);
+  // What layers carry they also speed up: a motion that lands on them takes nothing from its fall.
+  if (s.time_constant > 0)
+    deviation_[2] -= footing.sinks() * footing.layers.share() * gain_[2] / rate;
   if (s.time_constant == 0) set_velocities(s, qpos + first_qpos(), qvel);
 }
 
@@ -194,9 +197,7 @@ void Drive::spring_velocity(const DriveSettings& s, int k, double h, const doubl
   // What is about to come through a layer is stopped as by hard ground.
   const bool stopped = footing.bottoms() && deviation_[2] < 0;
   if (!stopped) {
-    namespace on = tuning::footing;
-    const double rate = footing.wades() ? on::kWadeDamping : on::kLayerDamping;
-    const double keeps = elementary::exp(-rate * h);
+    const double keeps = elementary::exp(-tuning::footing::kLayerDamping * h);
     v[2] += footing.sinks() * (v_ref_[2] + keeps * deviation_[2] - v[2]);
   }
   for (int i = 0; i < ball_count(); i++) {

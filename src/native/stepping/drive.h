@@ -133,8 +133,6 @@ class Drive : public PersonDofs {
   // starts from rest only as far as numbers go.
   void reference(double* v) const;
   void reference_change(double* a) const;
-  // The root goes up so much faster off the motion [m/s].
-  void rise_faster(double by) { deviation_[2] += by; }
   // Has a contact pushed a body that this ball moves within the last kTouchedTime?
   bool lately(int ball) const { return lately_[ball] > 0; }
 

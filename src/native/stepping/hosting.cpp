@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "stepping/exit_motion.h"
-#include "stepping/layer_load.h"
 #include "tuning.h"
 
 namespace hp {
@@ -35,7 +34,6 @@ void Hosting::begin(System& system, Data& data, Aiming& aiming, Host& host, cons
   paths_.make_all_busy(system.model);
   for (Drive& d : system.drives)
     d.begin_frame(system.drive_settings, data.state.qpos.data(), data.state.qvel.data());
-  begin_layer_frame(system, data);
 }
 
 // Differences up to kPlacedByHost are rounding between two engines' integration; a body that is

@@ -97,7 +97,6 @@ void Stepper::substeps(double dt, int n, std::vector<double>* poses) {
   for (int b = 1; b < model.nbody; b++) system.world.active[b] = busy[model.root[b]];
   for (Drive& d : system.drives)
     if (busy[d.body(0)]) d.begin_frame(system.drive_settings, state.qpos.data(), state.qvel.data());
-  begin_layer_frame(system, data_);
   data_.budget.begin_frame(n, (int)system.drives.size());
   for (int k = 0; k < n; k++) {
     const int parts = substep_.parts(dt / n);

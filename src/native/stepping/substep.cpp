@@ -121,7 +121,6 @@ void Substep::end(double h, double lost) {
       for (int i = model.dof_first[b] + 3; i < model.dof_first[b] + 6; i++)
         state.qvel[i] += data_.step.spin[i];
   strength_.tally(system_, data_, h);
-  end_layer_substep(system_, data_, h);
   for (Drive& d : system_.drives)
     if (system_.active(d)) d.end_substep(state.qvel.data(), h, data_.step.pushed);
 }

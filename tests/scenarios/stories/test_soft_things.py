@@ -48,7 +48,7 @@ def test_who_jumps_on_a_bed_leaves_it_and_comes_to_rest_on_it():
     story, result = played("jump_on_bed", jumps=1)
     skin = story.body.vertices(result.motion)[..., 2].min(axis=1)
     top = 0.45
-    assert skin.max() > top + 0.02  # in the air: the mattress takes the most of it
+    assert skin.max() > top + 0.03  # in the air: the mattress takes the most of it
     assert skin.min() < top - 0.04  # and deep in the mattress
     assert skin.min() > top - 0.18  # not in its frame
     assert upward(result, "mattress") == pytest.approx(story.body.mass * G, rel=0.05)

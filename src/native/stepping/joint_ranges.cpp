@@ -172,11 +172,11 @@ void JointRanges::yield(const System& system, Data& data, int island) {
 
 bool JointRanges::let_go(const System& system, Data& data) {
   bool any = false;
-  for (size_t p = 0; p < system.drives.size(); p++) {
-    const Drive& d = system.drives[p];
-    if (d.ranges.empty() || !system.active(d) || gone(system, data, (int)p)) continue;
-    data.step.yielded[d.body(0)] = tune::kRangeLevels;
-    any = true;
+  for (const Drive& d : system.drives) {
+    if (d.ranges.empty() || !system.active(d)) continue;
+    int& level = data.step.yielded_before[d.body(0)];
+    any |= level < tune::kRangeLevels;
+    level = tune::kRangeLevels;
   }
   return any;
 }

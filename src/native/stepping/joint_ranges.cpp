@@ -170,17 +170,6 @@ void JointRanges::yield(const System& system, Data& data, int island) {
   }
 }
 
-bool JointRanges::let_go(const System& system, Data& data) {
-  bool any = false;
-  for (const Drive& d : system.drives) {
-    if (d.ranges.empty() || !system.active(d)) continue;
-    int& level = data.step.yielded_before[d.body(0)];
-    any |= level < tune::kRangeLevels;
-    level = tune::kRangeLevels;
-  }
-  return any;
-}
-
 bool JointRanges::gone(const System& system, const Data& data, int person) {
   return data.step.yielded[system.drives[person].body(0)] == tune::kRangeLevels;
 }

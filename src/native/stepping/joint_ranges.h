@@ -35,8 +35,6 @@ class JointRanges {
   // The attempt has ended: islands that are settled but have joints too far beyond their ends are stuck,
   // and their rows give way in the next attempt, by a level.
   void end(const System& system, Data& data);
-  // What is left of the substep has no ranges. False if active people have none, or it was so already.
-  static bool let_go(const System& system, Data& data);
   // Is the joint of a row far enough off its end at step.end_qpos?
   static bool holds(const System& system, const Data& data, const RangeRow& row);
 

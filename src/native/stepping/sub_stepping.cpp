@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "collision/relative_travel.h"
-#include "stepping/joint_ranges.h"
 #include "tuning.h"
 
 namespace hp {
@@ -248,13 +247,8 @@ double SubStepping::catch_up(double h, double left, bool begun) {
   const std::vector<char>& active = system_.world.active;
   State& state = data_.state;
   double length = begun ? left : tune::kShorterPiece * left;
-  bool last = false;
   for (int piece = 1; left > tune::kNoTimeLeft * h; piece++) {
-    if (piece > tune::kMostPieces || data_.budget.out()) {
-      // Rather than that time is lost, joints leave their ranges, in one more piece.
-      if (last || !JointRanges::let_go(system_, data_)) return left;
-      last = true, piece = tune::kMostPieces, length = left;
-    }
+    if (piece > tune::kMostPieces || data_.budget.out()) return left;
     if (begun) {
       // The velocities are kept: what contacts gave is in them.
       data_.cache.clear();

@@ -37,7 +37,7 @@ def test_a_foot_that_a_stiff_layer_throws_off_is_not_set_into_its_frame():
 
 @pytest.mark.parametrize("case", ["things-0-69", "things-0-641", "things-2-117"])
 def test_a_fast_thing_at_an_edge_gets_no_energy(case):
-    """Normals turned within a step: pushes along those of its end gave five times as much."""
+    """Normals turned within a step: pushes along those of its end gave more than there was."""
     row = soft.run(soft.case_of(case), judge=False)
     assert row["gained"] < 0.02
 

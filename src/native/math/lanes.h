@@ -20,12 +20,18 @@ HP_INLINE Lanes square_root(const Lanes& x) {
   for (int k = 0; k < kLanes; k++) r[k] = std::sqrt(x[k]);
   return r;
 }
+HP_INLINE double least_of(const Lanes& x) {
+  double least = x[0];
+  for (int k = 1; k < kLanes; k++) least = x[k] < least ? x[k] : least;
+  return least;
+}
 #else
 using Lanes = double;
 constexpr int kLanes = 1;
 #define HP_INLINE inline
 
 inline Lanes square_root(Lanes x) { return std::sqrt(x); }
+inline double least_of(Lanes x) { return x; }
 #endif
 
 HP_INLINE Lanes& lanes(double* at) { return *(Lanes*)at; }

@@ -15,27 +15,18 @@
 #pragma once
 #include <vector>
 
+#include "soft/pressed_samples.h"
 #include "soft/pressing.h"
 
 namespace hp {
 
-// A sample under pressure.
-struct PressedSample {
-  Vec3 x, n;           // where its impulse acts [m], and along what
-  double load = 0;     // [N]
-  double impulse = 0;  // q_i [N s]
-  double yield = 0;    // S_i [kg]
-  int sample = 0;      // of the shape
-  int member = 0;      // the caller's number of its pair
-  int patch = -1;
-};
-// Those of a pair, by the pressures found last, where the samples are; appended to `out`. With Rule::Mean, whose
+// The samples of a pair that are under pressure, by what was found last, where the samples are; appended to `out`. With Rule::Mean, whose
 // samples have been measured at the end, impulses act at the means of the places about the shape's middle at the
 // start and at the end, which has gone `way`. The way along the layer that a turn makes is then that of the
 // velocity there, and the work of the pressures is the energy of the springs; places of one end alone would
 // give a turning thing h/2 of the pressure's work too much.
 void list_pressed(const SoftPair& pair, int member, Rule rule, double h, Vec3 way,
-                  std::vector<PressedSample>& out);
+                  PressedSamples& out);
 
 struct PatchPoint {
   Vec3 x, n;
@@ -45,17 +36,18 @@ struct PatchPoint {
   int member = 0;  // of the sample of the patch that is pressed most
 };
 
-// What samples push with in a step, all together.
+// What the samples of a group push with in a step, all together.
 struct PairImpulse {
   Vec3 force, moment;  // impulses [N s], and about `about` [N m s]
   double size = 0;     // sum of the samples' impulses [N s]
   double lever = 0;    // their mean distance from there [m]
 };
 
-// Impulses that move the step.
-PairImpulse total_impulse(const std::vector<PressedSample>& pressed, Vec3 about);
+// Impulses that move the step, of all samples that list_pressed() would list.
+PairImpulse total_impulse(const std::vector<const SoftPair*>& pairs, Rule rule, double h, Vec3 way,
+                          Vec3 about);
 // The points of all patches, appended to `out`; samples get the number of theirs.
 // `least_turn` [kg m^2]: no points are made of a spread that resists turning by less, S s^2.
-void condense(std::vector<PressedSample>& pressed, double least_turn, std::vector<PatchPoint>& out);
+void condense(PressedSamples& pressed, double least_turn, std::vector<PatchPoint>& out);
 
 }  // namespace hp

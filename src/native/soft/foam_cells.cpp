@@ -12,7 +12,7 @@ namespace hp {
 namespace tune = tuning::soft;
 
 void FoamCells::clear() {
-  table_.clear();
+  table_.clear(), moves_++;
   used_ = 0;
   pressed_.clear();
   time_ = 0;
@@ -25,33 +25,35 @@ size_t FoamCells::home(const FoamCell& k) const {
   return (size_t)sum & (table_.size() - 1);
 }
 
-size_t FoamCells::find(const FoamCell& k, int hint) const {
-  if (hint >= 0 && (size_t)hint < table_.size() && table_[hint].used && table_[hint].key == k)
-    return hint;
+size_t FoamCells::find(const FoamCell& k) const {
   size_t at = home(k);
   while (table_[at].used && !(table_[at].key == k)) at = (at + 1) & (table_.size() - 1);
   return at;
 }
 
+const FoamCells::Cell& FoamCells::look_for(FoamPlace& place) const {
+  place.found = (int)find(place.cell), place.moves = moves_;
+  return table_[place.found];
+}
+
+double FoamCells::faded(const Cell& c, double recovery) const {
+  return c.gone * elementary::exp(-(time_ - c.time) / recovery);
+}
+
 void FoamCells::grow() {
   std::vector<Cell> old(std::max<size_t>(64, 2 * table_.size()));
   std::swap(old, table_);
+  moves_++;
   for (const Cell& c : old)
-    if (c.used) table_[find(c.key, -1)] = c;
-}
-
-FoamCells::Cell& FoamCells::cell(const FoamCell& k, int hint) {
-  if (2 * (used_ + 1) > table_.size()) grow();
-  Cell& c = table_[find(k, hint)];
-  if (!c.used) c.used = true, c.key = k, used_++;
-  return c;
+    if (c.used) table_[find(c.key)] = c;
 }
 
 // Cells behind the free place that belong there or before it move up.
 void FoamCells::erase(const FoamCell& k) {
   const size_t mask = table_.size() - 1;
-  size_t hole = find(k, -1);
+  size_t hole = find(k);
   if (!table_[hole].used) return;
+  moves_++;
   for (size_t at = (hole + 1) & mask; table_[at].used; at = (at + 1) & mask) {
     const size_t way = (at - home(table_[at].key)) & mask;
     if (way < ((at - hole) & mask)) continue;
@@ -62,29 +64,12 @@ void FoamCells::erase(const FoamCell& k) {
   used_--;
 }
 
-double FoamCells::gone(double recovery, FoamPlace& place) const {
-  if (used_ == 0) return 0;
-  place.found = (int)find(place.cell, place.found);
-  const Cell& c = table_[place.found];
-  if (!c.used) return 0;
-  const double since = time_ - c.time;
-  if (since <= 0) return c.gone;
-  return c.gone * elementary::exp(-since / recovery);
-}
-
-void FoamCells::press(double q, double area, FoamPlace& place) {
-  Cell& c = cell(place.cell, place.found);
-  place.found = (int)(&c - table_.data());
-  if (c.area == 0) pressed_.push_back(place), c.sum = 0;
-  c.sum += area * q;
-  c.area += area;
-}
-
 void FoamCells::end_step(double h) {
   time_ += h;
   size_t forgotten = 0;
-  for (const FoamPlace& p : pressed_) {
-    Cell& c = table_[find(p.cell, p.found)];
+  for (FoamPlace& p : pressed_) {
+    find(p);
+    Cell& c = table_[p.found];
     c.gone = c.sum / c.area;
     c.time = time_;
     c.sum = c.area = 0;
@@ -111,7 +96,8 @@ const double* FoamCells::load(const double* in) {
   clear();
   time_ = *in++;
   for (int n = (int)*in++; n > 0; n--, in += 6) {
-    Cell& c = cell({(int)in[0], (int)in[1], (int)in[2], (int)in[3]}, -1);
+    FoamPlace place{{(int)in[0], (int)in[1], (int)in[2], (int)in[3]}};
+    Cell& c = cell(place);
     c.gone = in[4], c.time = in[5];
   }
   return in;
@@ -124,7 +110,8 @@ void FoamCells::adopt(const FoamCells& old, const std::vector<int>& now) {
     FoamCell k = its.key;
     if (!its.used || (k.layer < 0 && now[-k.layer - 1] < 0)) continue;
     if (k.layer < 0) k.layer = -now[-k.layer - 1] - 1;
-    Cell& c = cell(k, -1);
+    FoamPlace place{k};
+    Cell& c = cell(place);
     c = its, c.key = k;
   }
 }

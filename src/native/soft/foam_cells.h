@@ -4,9 +4,10 @@
 // the sofa that remembers, not who sat there. A cell that is not pressed goes back by
 // q(t) = q exp(-t/(tau (1 + r))), found when it is asked for.
 //
-// A table with open addresses. A place keeps the number of its cell and where that was found last, which saves
-// looking for it.
+// A table with open addresses. A place keeps the number of its cell and where that was found last: it is there still
+// until cells move.
 #pragma once
+#include <cstdint>
 #include <tuple>
 #include <vector>
 
@@ -40,16 +41,30 @@ struct FoamCell {
 };
 struct FoamPlace {
   FoamCell cell;
-  int found = -1;
+  int found = -1;      // in the table, or where it would be
+  uint64_t moves = 0;  // how often cells had moved then; 0: it has not been looked for
+  void lie_in(const FoamCell& k) {
+    if (!(cell == k)) cell = k, moves = 0;
+  }
 };
 
 class FoamCells {
  public:
   void clear();
   // q [m] of the cell, which goes back with this time constant [s].
-  double gone(double recovery, FoamPlace& place) const;
+  double gone(double recovery, FoamPlace& place) const {
+    if (used_ == 0) return 0;
+    const Cell& c = find(place);
+    if (!c.used) return 0;
+    return time_ > c.time ? faded(c, recovery) : c.gone;
+  }
   // In this step the arm there has come to q, over that much area [m^2].
-  void press(double q, double area, FoamPlace& place);
+  void press(double q, double area, FoamPlace& place) {
+    Cell& c = cell(place);
+    if (c.area == 0) pressed_.push_back(place), c.sum = 0;
+    c.sum += area * q;
+    c.area += area;
+  }
   // The step is over: h [s] have passed, and cells have the mean of what was pressed in them.
   void end_step(double h);
 
@@ -66,14 +81,31 @@ class FoamCells {
     double sum = 0, area = 0;   // of the step
   };
   size_t home(const FoamCell& k) const;
-  // Where the cell is, or the free place where it would be; `hint`: where it may be.
-  size_t find(const FoamCell& k, int hint) const;
-  Cell& cell(const FoamCell& k, int hint);
+  // Where the cell is, or the free place where it would be.
+  size_t find(const FoamCell& k) const;
+  // What was found free may have been given to another cell since.
+  const Cell& find(FoamPlace& place) const {
+    if (place.moves == moves_) {
+      const Cell& c = table_[place.found];
+      if (!c.used || c.key == place.cell) return c;
+    }
+    return look_for(place);
+  }
+  const Cell& look_for(FoamPlace& place) const;
+  double faded(const Cell& c, double recovery) const;
+  Cell& cell(FoamPlace& place) {
+    if (2 * (used_ + 1) > table_.size()) grow();
+    find(place);
+    Cell& c = table_[place.found];
+    if (!c.used) c.used = true, c.key = place.cell, used_++;
+    return c;
+  }
   void grow();
   void erase(const FoamCell& k);
 
   std::vector<Cell> table_;  // a power of two, at most half of it used
   size_t used_ = 0;
+  uint64_t moves_ = 1;  // counts when cells of the table move
   std::vector<FoamPlace> pressed_;
   double time_ = 0;
 };

@@ -17,10 +17,9 @@ FrameDistance FrameDistance::of_static(const CollisionWorld& world, const SoftWo
   if (s.kind == Static::Kind::HalfSpace)
     f.plane_ = &s;
   else if (s.kind == Static::Kind::Hull)
-    f.hull_ = &s.posed, f.box_ = &soft.static_boxes[i];
+    f.hull_ = &s.posed, f.box_ = &soft.static_boxes[i], f.way_ = soft.static_ways[i];
   else
     f.tree_ = soft.trees[i].get();
-  f.place_box();
   return f;
 }
 
@@ -30,7 +29,7 @@ FrameDistance FrameDistance::of_shape(const CollisionWorld& world, const SoftWor
   f.layer_ = &soft.layer_of_shape(i);
   f.hull_ = &world.place(pose, i);
   f.box_ = &soft.shape_boxes[i];
-  f.place_box();
+  if (f.box_->is) f.way_ = f.box_->way(f.hull_->R, f.hull_->center, f.hull_->hull->center);
   return f;
 }
 
@@ -61,16 +60,10 @@ bool FrameDistance::nearest_on_hull(Vec3 x, double within, FramePoint& out) cons
   return true;
 }
 
-void FrameDistance::place_box() {
-  if (!hull_ || !box_->is) return;
-  to_ = transposed(hull_->R * box_->axes);
-  shift_ = mul_t(box_->axes, hull_->hull->center - box_->centre) - to_ * hull_->center;
-}
-
 // In the box's axes.
 bool FrameDistance::nearest_on_box(Vec3 x, double within, FramePoint& out) const {
   const double radius = hull_->hull->radius;
-  const Vec3 y = to_ * x + shift_;
+  const Vec3 y = way_.to * x + way_.shift;
   Vec3 away;
   for (int i = 0; i < 3; i++) {
     const double beyond = std::fabs(y[i]) - box_->half[i];
@@ -78,7 +71,7 @@ bool FrameDistance::nearest_on_box(Vec3 x, double within, FramePoint& out) const
   }
   const double d = norm(away);
   if (d > within + radius || d <= tune::kNoDistance) return false;
-  out.n = (1 / d) * mul_t(to_, away);
+  out.n = (1 / d) * mul_t(way_.to, away);
   out.distance = d - radius;
   out.at = x - out.distance * out.n;
   return true;
@@ -143,7 +136,7 @@ void FrameDistance::measure_many(double within, NearSamples& near) const {
   if (plane_)
     measure_plane(plane_->n, plane_->offset, layer_->thickness, near);
   else
-    measure_box(to_, shift_, box_->half, hull_->hull->radius, layer_->thickness, near);
+    measure_box(way_.to, way_.shift, box_->half, hull_->hull->radius, layer_->thickness, near);
   const double* distance = near[N::Distance];
   for (int i = 0; i < near.size(); i++) near.measured[i] = distance[i] <= within;
 }

@@ -32,7 +32,6 @@ class FrameDistance {
   const SoftLayer& layer() const { return *layer_; }
 
  private:
-  void place_box();
   bool nearest_on_hull(Vec3 x, double within, FramePoint& out) const;
   bool nearest_on_box(Vec3 x, double within, FramePoint& out) const;
   bool nearest_on_mesh(Vec3 x, double within, int triangle, FramePoint& out) const;
@@ -41,9 +40,7 @@ class FrameDistance {
   const Static* plane_ = nullptr;
   const PosedShape* hull_ = nullptr;
   const FrameBox* box_ = nullptr;
-  // Of a box: from the world to its axes, y = to_ x + shift_.
-  Mat3 to_;
-  Vec3 shift_;
+  FrameBox::Way way_;  // of a box
   const triangles::Tree* tree_ = nullptr;
 };
 

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 
+#include "math/lanes.h"
+
 namespace hp {
 
 namespace {
 
-constexpr size_t kRoom = 8;  // of the first samples of a pair
+constexpr size_t kRoom = 8;  // of the first samples of a pair: whole lanes
 
 template <typename T>
 void keep_of(const std::vector<int>& places, std::vector<T>& all) {
@@ -31,6 +33,11 @@ void NearSamples::set_law(int i, const SoftLaw& law) {
   all[Stiffness][i] = law.stiffness, all[Damping][i] = law.damping;
   all[Densification][i] = law.densification;
   all[Arm][i] = law.arm, all[Relaxation][i] = law.relaxation;
+}
+
+void NearSamples::end(Column c) {
+  double* of = (*this)[c];
+  for (size_t i = sample.size(); i < room_ && i % kLanes != 0; i++) of[i] = 0;
 }
 
 int NearSamples::add(int number) {

@@ -44,6 +44,7 @@ class NearSamples {
     ArmPressure,  // p_m [Pa], over the share of the sample that is pressed
     Pressed,      // that share
     Slope,        // of the pressure by the depth at the end [Pa/m]
+    Went,         // how far the dashpot of the Maxwell arm goes [m]; known when the step is made
     Columns,
   };
 
@@ -63,6 +64,9 @@ class NearSamples {
   }
   SoftLaw law(int i) const;
   void set_law(int i, const SoftLaw& law);
+
+  // Zeros behind the last sample, as far as loops over several at a time go.
+  void end(Column c);
 
   // Appends one whose numbers are 0; returns where it is.
   int add(int number);

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "math/lanes.h"
 #include "soft/pressures.h"
 #include "tuning.h"
 
@@ -20,6 +22,33 @@ FoamFrame foam_frame(const CollisionWorld& world, const Poses& pose, const SoftP
   if (pair.other_static >= 0) return {pair.other_static, false, {}, {}};
   const int b = world.shapes[pair.other_shape].body;
   return {-pair.other_shape - 1, true, pose.kin.xpos[b], pose.kin.xmat[b]};
+}
+
+void SeenSamples::resize(int n) {
+  if ((int)triangle_.size() == n) return;
+  triangle_.assign(n, -1);
+  until_.assign((n + kBlock - 1) / kBlock * kBlock, kNever);
+  std::fill_n(until_.begin(), n, -kNever);
+}
+
+HP_CLONES double SeenSamples::find(double travelled, std::vector<int>& out) const {
+  double least = kNever;
+  for (size_t first = 0; first < until_.size(); first += kBlock) {
+    const double* block = until_.data() + first;
+    Lanes low = lanes(block);
+    for (int k = kLanes; k < kBlock; k += kLanes)
+      low = lanes(block + k) < low ? lanes(block + k) : low;
+    if (least_of(low) > travelled) {
+      least = std::min(least, least_of(low));
+      continue;
+    }
+    for (int k = 0; k < kBlock; k++)
+      if (block[k] <= travelled)
+        out.push_back((int)first + k);
+      else
+        least = std::min(least, block[k]);
+  }
+  return least;
 }
 
 namespace {
@@ -68,7 +97,7 @@ struct NearSearch {
   SamplePoses poses;
   double reach, travelled;
   SoftPair& pair;
-  std::vector<int> places = {};
+  std::vector<int> places = {}, more = {};
 
   // So far beyond the thickness a sample may be pressed: its depths spread, or the thickness differs.
   double slack(int sample) const {
@@ -79,8 +108,7 @@ struct NearSearch {
   bool note(int sample, int triangle, double off) {
     off -= slack(sample);
     if (off <= reach) return true;
-    pair.seen[sample] = {off, travelled, triangle};
-    pair.quiet = std::min(pair.quiet, off + travelled);
+    pair.quiet = std::min(pair.quiet, pair.seen.put(sample, triangle, off, travelled));
     return false;
   }
   bool reaches(int sample, int triangle, Measured& m) {
@@ -118,39 +146,34 @@ struct NearSearch {
     if ((int)places.size() < near.size()) near.keep(places);
   }
 
-  // The others.
+  // The others: they follow at first, then all are put in order.
   void find_more() {
     N& near = pair.near;
     const int known = near.size();
-    int next = 0;
-    pair.quiet = 1e300;
-    places.clear();
-    for (int s = 0; s < samples.size(); s++) {
-      if (next < known && near.sample[next] == s) {
-        places.push_back(next++);
-        continue;
-      }
-      const SeenSample& seen = pair.seen[s];
-      if (seen.room - (travelled - seen.at) > reach)
-        pair.quiet = std::min(pair.quiet, seen.room + seen.at);
-      else
-        look_at(s, seen.triangle);
-    }
-    if (near.size() > known) near.keep(places);
+    more.clear();
+    pair.quiet = pair.seen.find(travelled + reach, more);
+    for (const int s : more) look_at(s);
+    if (near.size() == known) return;
+    places.resize(near.size());
+    std::iota(places.begin(), places.end(), 0);
+    const auto before = [&](int a, int b) { return near.sample[a] < near.sample[b]; };
+    std::inplace_merge(places.begin(), places.begin() + known, places.end(), before);
+    near.keep(places);
   }
-  void look_at(int s, int triangle) {
+  void look_at(int s) {
     N& near = pair.near;
     const SoftLayer& layer = samples.layers.empty() ? own : samples.layers[s];
     const SoftLaw& under = frame.layer().law;
-    if (under.stiffness <= 0 && layer.law.stiffness <= 0) return;  // both are hard here
+    if (under.stiffness <= 0 && layer.law.stiffness <= 0)
+      return pair.seen.take(s);  // both are hard
     Measured m;
-    if (!reaches(s, triangle, m)) return;
+    if (!reaches(s, pair.seen.triangle(s), m)) return;
+    pair.seen.take(s);
     const int i = near.add(s);
     keep(m, i, near);
     near.set_law(i, in_series(under, layer.law));
     near[N::Own][i] = layer.thickness, near[N::Slack][i] = slack(s);
     near[N::Surface][i] = samples.areas[s], near[N::HalfWidth][i] = samples.half_width[s];
-    places.push_back(i);
   }
 };
 
@@ -177,7 +200,7 @@ void find_near(const CollisionWorld& world, const SoftWorld& soft, const FoamCel
   const double *arm = near[N::Arm], *relaxation = near[N::Relaxation];
   for (int i = 0; i < near.size(); i++) {
     if (arm[i] <= 0) continue;
-    if (!near.celled[i]) near.cell[i].cell = foam.around(near.vector(N::At, i));
+    if (!near.celled[i]) near.cell[i].lie_in(foam.around(near.vector(N::At, i)));
     near.celled[i] = true;
     near[N::Gone][i] = cells.gone(relaxation[i] * (1 + arm[i]), near.cell[i]);
   }
@@ -227,22 +250,30 @@ PressedPart pressed_part(const NearSamples& near, int i) {
   return {share, 0.5 * std::max(0.0, depth + edge)};
 }
 
-void remember(const CollisionWorld& world, const Poses& end, double h, SoftPair& pair,
-              FoamCells& cells) {
+void remember(const CollisionWorld& world, const Poses& end, SoftPair& pair, FoamCells& cells) {
   const FoamFrame foam = foam_frame(world, end, pair);
   N& near = pair.near;
+  const double *pressure = near[N::Pressure], *pressed = near[N::Pressed], *arm = near[N::Arm];
+  const double *gone = near[N::Gone], *went = near[N::Went], *area = near[N::Area];
   for (int i = 0; i < near.size(); i++) {
-    const double pressed = near[N::Pressed][i];
-    if (!(near[N::Pressure][i] > 0) || near[N::Arm][i] <= 0 || pressed <= 0) continue;
-    near.cell[i].cell = foam.around(near.vector(N::At, i)), near.celled[i] = true;
-    cells.press(near[N::Gone][i] + arm_way(h, near, i), pressed * near[N::Area][i], near.cell[i]);
+    if (!(pressure[i] > 0) || arm[i] <= 0 || pressed[i] <= 0) continue;
+    near.cell[i].lie_in(foam.around(near.vector(N::At, i))), near.celled[i] = true;
+    cells.press(gone[i] + went[i], pressed[i] * area[i], near.cell[i]);
   }
 }
+
+void find_went(double h, SoftPair& pair) { find_went(h, pair.near); }
 
 double given_back(double h, const SoftPair& pair) { return given_back(h, pair.near); }
 
 void find_pressures(Rule rule, double h, SoftPair& pair) {
   rule == Rule::End ? press_to_end(h, pair.near) : press_by_mean(h, pair.near);
+  pair.near.end(N::Pressure);
+}
+
+bool presses(const SoftPair& pair) {
+  const double* pressure = pair.near[N::Pressure];
+  return std::any_of(pressure, pressure + pair.near.size(), [](double p) { return p > 0; });
 }
 
 }  // namespace hp

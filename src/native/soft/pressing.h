@@ -35,10 +35,30 @@ inline double moving_share(Rule rule) { return rule == Rule::End ? 1.0 : 0.5; }
 // two have travelled s more g is at least what it was less s. A sample that is passed over for that would,
 // measured, be found as far and be passed over too. So a simulation without this knowledge, restored from its
 // state, goes on with the same bits.
-struct SeenSample {
-  double room = -1e300;  // distance from the frame less t + e, at least [m]
-  double at = 0;         // what the two had travelled then [m]
-  int triangle = -1;     // of a mesh: where to begin to search
+class SeenSamples {
+ public:
+  void clear() { until_.clear(), triangle_.clear(); }
+  // Nothing is known of n, if there are fewer.
+  void resize(int n);
+  // Not to be found again, unless it is put here.
+  void take(int sample) { until_[sample] = kNever; }
+  // Its distance from the frame less t + e is `room` at least, when the two have travelled so far in all
+  // [m]. Returns how far they may go before it can come to 0.
+  double put(int sample, int triangle, double room, double travelled) {
+    triangle_[sample] = triangle;
+    return until_[sample] = room + travelled;
+  }
+  // Where a search for it begins, of a mesh.
+  int triangle(int sample) const { return triangle_[sample]; }
+  // Appends those that may be near when the two have travelled so far, in their order. Returns how far they may
+  // go before any other can be.
+  double find(double travelled, std::vector<int>& out) const;
+
+ private:
+  static constexpr double kNever = 1e300;
+  static constexpr int kBlock = 16;
+  std::vector<double> until_;  // in whole blocks; -kNever: nothing is known
+  std::vector<int> triangle_;
 };
 
 // One shape and what it may press on.
@@ -52,7 +72,7 @@ struct SoftPair {
   double reach = 0;
   uint64_t measured = 0;  // stamp of the pose that samples were measured at last
   NearSamples near;
-  std::vector<SeenSample> seen;  // per sample, of those that are not near; empty: nothing
+  SeenSamples seen;  // per sample, of those that are not near
   // None of those comes within `reach` before the two have travelled so far, less reach.
   double quiet = -1e300;
 
@@ -96,11 +116,14 @@ struct PressedPart {
 PressedPart pressed_part(const NearSamples& near, int i);
 // The pressures of a step of length h [s] that ends there.
 void find_pressures(Rule rule, double h, SoftPair& pair);
+// Is there any?
+bool presses(const SoftPair& pair);
+// How far the dashpots of its samples have gone in that step.
+void find_went(double h, SoftPair& pair);
 // The energy that the samples' springs have given back in that step, less what their dampers have
 // taken [J]; of a skin it is not known.
 double given_back(double h, const SoftPair& pair);
-// That step has been made, to that pose: what foam remembers of it.
-void remember(const CollisionWorld& world, const Poses& end, double h, SoftPair& pair,
-              FoamCells& cells);
+// That step has been made, to that pose: what foam remembers of it, after find_went().
+void remember(const CollisionWorld& world, const Poses& end, SoftPair& pair, FoamCells& cells);
 
 }  // namespace hp

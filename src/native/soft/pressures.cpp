@@ -107,6 +107,16 @@ HP_CLONES void press_to_end(double h, NearSamples& near) {
   for (int i = 0; i < near.size(); i += kLanes) press_to_end(h, {near, i});
 }
 
+HP_CLONES void find_went(double h, NearSamples& near) {
+  const Lanes zero = {};
+  for (int i = 0; i < near.size(); i += kLanes) {
+    const SampleLanes at{near, i};
+    const Lanes firmness = at(N::Relaxation) * (at(N::Arm) * at(N::Stiffness) * at(N::Pressed));
+    const Lanes goes = at(N::Pressure) > zero ? firmness : zero;
+    at(N::Went) = goes > zero ? h * at(N::ArmPressure) / firmness : zero;
+  }
+}
+
 namespace {
 
 // Means over the depths d - e to d + e of the springs' pressure, of its slope, and of their energy.
@@ -158,13 +168,6 @@ void press_by_mean(double h, NearSamples& near) {
   }
 }
 
-double arm_way(double h, const NearSamples& near, int i) {
-  const double arm = near[N::Arm][i], pressed = near[N::Pressed][i];
-  if (!(near[N::Pressure][i] > 0) || arm <= 0 || pressed <= 0) return 0;
-  return h / near[N::Relaxation][i] * near[N::ArmPressure][i] /
-         (arm * near[N::Stiffness][i] * pressed);
-}
-
 namespace {
 
 // The energy [J] at its depth, where the dashpot of the Maxwell arm has gone q [m].
@@ -187,7 +190,7 @@ double given_back(double h, const NearSamples& near) {
   double sum = 0;
   for (int i = 0; i < near.size(); i++) {
     if (!(near[N::Pressure][i] > 0)) continue;  // what does not push gives and takes nothing
-    const double went = arm_way(h, near, i), way = near[N::Depth][i] - near[N::Before][i];
+    const double went = near[N::Went][i], way = near[N::Depth][i] - near[N::Before][i];
     const double springs = near[N::Stored][i] - stored(near[N::Gone][i] + went, near, i);
     const double damper = near[N::Pressed][i] * near[N::Damping][i] * way * way / h;
     sum += springs - near[N::Area][i] * (damper + near[N::ArmPressure][i] * went);

@@ -15,11 +15,12 @@ void go_on(double h, Vec3 v, Vec3 w, NearSamples& near);
 void press_to_end(double h, NearSamples& near);
 void press_by_mean(double h, NearSamples& near);
 
-// How far the dashpot of a sample's Maxwell arm goes in that step [m].
-double arm_way(double h, const NearSamples& near, int i);
+// How far the dashpots of the Maxwell arms go in that step.
+void find_went(double h, NearSamples& near);
 // Energies at the start of a step, where samples are faced.
 void store(NearSamples& near);
-// The energy that springs have given back in a step since then, less what their dampers have taken [J].
+// The energy that springs have given back in a step since then, less what their dampers have taken [J]; after
+// find_went().
 double given_back(double h, const NearSamples& near);
 
 }  // namespace hp

@@ -13,4 +13,12 @@ struct SampleLanes {
   }
 };
 
+struct ConstSampleLanes {
+  const NearSamples& near;
+  int i;
+  HP_INLINE const Lanes& operator()(int column, int component = 0) const {
+    return lanes(near[(NearSamples::Column)(column + component)] + i);
+  }
+};
+
 }  // namespace hp

@@ -49,7 +49,17 @@ void SoftWorld::finish(const CollisionWorld& world) {
   if (!any_) return;
   find_carriers(world);
   build_trees(world);
-  for (const Static& s : world.statics) static_boxes.push_back(FrameBox::of(s.hull));
+  find_boxes(world);
+}
+
+void SoftWorld::find_boxes(const CollisionWorld& world) {
+  static_boxes.clear(), static_ways.clear(), shape_boxes.clear();
+  for (const Static& s : world.statics) {
+    const FrameBox box = FrameBox::of(s.hull);
+    static_boxes.push_back(box);
+    static_ways.push_back(box.is ? box.way(s.posed.R, s.posed.center, s.hull.center)
+                                 : FrameBox::Way{});
+  }
   for (const CollisionShape& s : world.shapes)
     shape_boxes.push_back(s.skin ? FrameBox{} : FrameBox::of(s.hull));
 }
@@ -123,11 +133,14 @@ void SoftWorld::find_carriers(const CollisionWorld& world) {
     s.first_carrier.assign(1, 0);
     const size_t n = shape.vertex.size();
     for (const int vertex : s.vertex) {
-      s.points.push_back(skin.rest[shape.vertex[vertex]]);
+      const Vec3 r = skin.rest[shape.vertex[vertex]];
+      s.points.push_back(r);
       for (size_t k = 0; k < shape.influences.size(); k++) {
         const double weight = shape.weights[k * n + vertex];
         const int joint = shape.influences[k].joint;
-        if (weight != 0) s.carriers.push_back({joint, skin.body[joint], (int)k, weight});
+        if (weight == 0) continue;
+        s.carriers.push_back({joint, skin.body[joint], (int)k, weight});
+        s.weighted.push_back({weight * r.x, weight * r.y, weight * r.z, weight});
       }
       s.first_carrier.push_back((int)s.carriers.size());
     }

@@ -5,6 +5,7 @@
 // by its samples: points of its hard surface, each with an outward normal and an area. Samples of what is
 // soft have a layer of their own above them.
 #pragma once
+#include <array>
 #include <vector>
 
 #include "collision/collision_world.h"
@@ -28,6 +29,16 @@ struct FrameBox {
   Mat3 axes;  // in its columns
   Vec3 centre, half;
   static FrameBox of(const Convex& hull);
+  // From the world to its axes, y = to x + shift, where the hull's frame has turned by R and its centre
+  // lies there.
+  struct Way {
+    Mat3 to;
+    Vec3 shift;
+  };
+  Way way(const Mat3& R, Vec3 centre_there, Vec3 hull_centre) const {
+    const Mat3 to = transposed(R * axes);
+    return {to, mul_t(axes, hull_centre - centre) - to * centre_there};
+  }
 };
 
 // The points by which one shape presses on layers.
@@ -47,6 +58,9 @@ struct SurfaceSamples {
     double weight;
   };
   std::vector<Carrier> carriers;
+  // Of each carrier: its weight times the point at rest, and its weight.
+  using Four = std::array<double, 4>;
+  std::vector<Four> weighted;
   std::vector<int> first_carrier;
   double pitch = 0;     // distance of neighbours, about [m]
   double thickest = 0;  // layer above a sample [m]
@@ -70,6 +84,7 @@ struct SoftWorld {
 
   // Of hulls; per static and per shape.
   std::vector<FrameBox> static_boxes, shape_boxes;
+  std::vector<FrameBox::Way> static_ways;
 
   bool any() const { return any_; }
   const SoftLayer& layer_of_static(int i) const;
@@ -80,6 +95,8 @@ struct SoftWorld {
 
   // When all shapes are there. Throws std::invalid_argument where samples name what does not exist.
   void finish(const CollisionWorld& world);
+  // Which hulls are boxes.
+  void find_boxes(const CollisionWorld& world);
 
  private:
   void place_skin(const CollisionWorld& world, const SkinSamples& skin);

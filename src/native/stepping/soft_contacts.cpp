@@ -75,6 +75,7 @@ void SoftContacts::group_active() {
     groups_.back().end = i + 1;
   }
   if (rows_of_.size() < groups_.size()) rows_of_.resize(groups_.size());
+  for (const Group& g : groups_) list_members(g);
 }
 
 int SoftContacts::island(const Data& data, const Group& group) const {
@@ -106,21 +107,33 @@ bool SoftContacts::stiff(const System& system, Data& data, SoftPair& pair, doubl
   return firmness > tune::kStiffBounce * mass;
 }
 
-void SoftContacts::list_pressed(Rule rule, double h, Vec3 way, const Group& group) {
+void SoftContacts::list_members(const Group& group) {
   GroupRows& its = rows_of(group);
   its.clear();
   for (int i = group.first; i < group.end; i++) {
-    const SoftPair& pair = pairs_[active_[i].pair];
-    hp::list_pressed(pair, (int)its.members.size(), rule, h, way, its.pressed);
-    its.members.push_back(&pair);
+    its.members.push_back(&pairs_[active_[i].pair]);
     its.candidates.push_back(active_[i].candidate);
   }
+}
+
+// By the pressures that were looked at last.
+void SoftContacts::list_pressed(Rule rule, double h, Vec3 way, const Group& group) {
+  GroupRows& its = rows_of(group);
+  its.pressed.clear();
+  for (int k = 0; k < (int)its.members.size(); k++)
+    hp::list_pressed(*its.members[k], k, rule, h, way, its.pressed);
 }
 
 // Where impulses of a group are taken about.
 Vec3 SoftContacts::middle(const System& system, Poses& pose, const Group& group) const {
   return pose.cached_bounding_sphere(system.world.shapes, pairs_[active_[group.first].pair].shape)
       .center;
+}
+
+// How far its middle has gone to the pose looked at; a guess looks at none.
+Vec3 SoftContacts::went(const System& system, Data& data, const Group& group) const {
+  if (group.guessed) return {};
+  return middle(system, data.step.end, group) - middle(system, data.state.pose, group);
 }
 
 bool SoftContacts::has(const Group& group, int candidate) const {
@@ -166,9 +179,8 @@ bool SoftContacts::guess(const System& system, Data& data, double h, Group& grou
     const Twist its = twist(pair);
     guess_depths(h, its.v, its.w, pair);
     find_pressures(Rule::End, h, pair);
+    group.guessed |= presses(pair);
   }
-  list_pressed(Rule::End, h, {}, group);
-  group.guessed = !rows_of(group).pressed.empty();
   return group.guessed;
 }
 
@@ -183,8 +195,7 @@ bool SoftContacts::measure(const System& system, Data& data, double h, const Gro
     data.budget.spend(tune::kSampleWork * (double)pair.near.size());
     find_pressures(rule, h, pair);
   }
-  list_pressed(rule, h, to - from, group);
-  const PairImpulse now = total_impulse(rows_of(group).pressed, to);
+  const PairImpulse now = total_impulse(rows_of(group).members, rule, h, to - from, to);
   // The rows lie where the layer was when they were made.
   const PairImpulse was = applied(group, from);
   const double share = rule == Rule::Mean ? tune::kRightShare : tune::kRightShareDriven;
@@ -232,13 +243,14 @@ void SoftContacts::add_rows(const System& system, Data& data, const Group& group
                             const std::vector<Twist>& twists) {
   const Rule rule = rules_.of(island(data, group));
   GroupRows& its = rows_of(group);
+  const Vec3 went = this->went(system, data, group);
+  list_pressed(rule, h, went, group);
   if (its.pressed.empty()) return;
   Poses& start = data.state.pose;
   const int first = active_[group.first].pair;
   const bool person = system.world.shapes[pairs_[first].shape].person >= 0;
   its.along = friction_[pairs_.first_of_group(first)];
-  its.back =
-      group.guessed ? Vec3{} : middle(system, start, group) - middle(system, data.step.end, group);
+  its.back = -went;
   const auto parting = [&](const Contact& c) {
     if (group.guessed) return dot(c.n, group.twist.v + cross(group.twist.w, c.position));
     return approach(system.model, start.kin, c, twists, data.step.v);
@@ -290,9 +302,10 @@ void SoftContacts::record_group(const System& system, Data& data, double h, bool
                   pair);
       find_pressures(rules_.of(its_island), h, pair);
     }
+    find_went(h, pair);
     if (data.step.last) record_points(system, data, e);
     if (rules_.balanced(its_island)) rules_.give(its_island, given_back(h, pair));
-    remember(system.world, data.step.end, h, pair, cells_);
+    remember(system.world, data.step.end, pair, cells_);
   }
 }
 
@@ -329,7 +342,13 @@ void SoftContacts::record(const System& system, Data& data, double h,
   const auto made = [&](int candidate) {
     return share.empty() || share[data.islands.of(system, data.attempt.candidates[candidate])] >= 0;
   };
-  for (const Group& group : groups_) find_loads(system, rows_of(group));
+  for (const Group& group : groups_) {
+    GroupRows& its = rows_of(group);
+    its.loads.clear();
+    if (of_one_body(system, its)) continue;
+    list_pressed(rules_.of(island(data, group)), h, went(system, data, group), group);
+    find_loads(system, its);
+  }
   const auto pushes = [&](const Contact& c) { return norm2(c.impulse) > 0 && made(c.pair); };
   for (const Contact& c : rows_)
     if (pushes(c)) push_row(system, data, c);

@@ -77,7 +77,9 @@ class SoftContacts {
   int island(const Data& data, const Group& group) const;
   void group_active();
   GroupRows& rows_of(const Group& group) { return rows_of_[&group - groups_.data()]; }
+  void list_members(const Group& group);
   void list_pressed(Rule rule, double h, Vec3 way, const Group& group);
+  Vec3 went(const System& system, Data& data, const Group& group) const;
   Twist about_origin(const System& system, const Data& data, int body) const;
   bool guess(const System& system, Data& data, double h, Group& group);
   bool measure(const System& system, Data& data, double h, const Group& group);

@@ -22,7 +22,7 @@ struct BodyLoad {
 struct GroupRows {
   std::vector<const SoftPair*> members;
   std::vector<int> candidates;  // of each
-  std::vector<PressedSample> pressed;
+  PressedSamples pressed;
   // What takes places of the pose that samples were looked at to that of the start.
   Vec3 back;
   Vec3 along;                   // friction that is expected, an impulse [N s]
@@ -31,7 +31,9 @@ struct GroupRows {
   void clear() { members.clear(), candidates.clear(), pressed.clear(); }
 };
 
-// Finds its loads, by the samples under pressure.
+// Does one body press alone?
+bool of_one_body(const System& system, const GroupRows& group);
+// Finds the loads of several, by the samples under pressure.
 void find_loads(const System& system, GroupRows& group);
 
 class RowMaker {
@@ -54,10 +56,13 @@ class RowMaker {
  private:
   // Sums over samples of what a joint carries of them.
   struct Carried {
-    double weight = 0;
-    Vec3 rest;
-    Vec3 at;  // where their mean is [m]
+    double sum[4] = {};  // of weighted places at rest, and of weights
+    Vec3 at;             // where their mean is [m]
+    double weight() const { return sum[3]; }
   };
+  void add(const SurfaceSamples::Carrier* by, const SurfaceSamples::Four* weighted, int count,
+           double load);
+  void carry(const System& system, Poses& start, const GroupRows& group, int patch);
   Contact row(const System& system, Poses& start, Rule rule, const GroupRows& group,
               const PatchPoint& point);
   Endpoint mean_point(const System& system, Poses& start, const GroupRows& group, int patch,
@@ -66,6 +71,7 @@ class RowMaker {
   std::vector<PatchPoint> points_;
   std::vector<Carried> carried_;  // per joint, zero between uses
   std::vector<int> joints_;
+  std::vector<SurfaceSamples::Four> weighted_;  // of one sample of what bends
 };
 
 }  // namespace hp

@@ -51,7 +51,7 @@ void points_have_the_force_moments_and_stiffness_of_the_samples() {
       exact.add(pair.near.vector(N::Hard, i), area * pair.near[N::Pressure][i],
                 h * area * pair.near[N::Slope][i]);
     }
-    std::vector<hp::PressedSample> pressed;
+    hp::PressedSamples pressed;
     hp::list_pressed(pair, 0, rule, h, {}, pressed);
     std::vector<hp::PatchPoint> points;
     hp::condense(pressed, 0, points);
@@ -70,11 +70,11 @@ void points_have_the_force_moments_and_stiffness_of_the_samples() {
 void no_point_pulls() {
   hp::SoftPair pair = field(0.16, 8);
   hp::find_pressures(hp::Rule::End, 1.0 / 240, pair);
-  std::vector<hp::PressedSample> pressed;
+  hp::PressedSamples pressed;
   hp::list_pressed(pair, 0, hp::Rule::End, 1.0 / 240, {}, pressed);
   std::vector<hp::PatchPoint> points;
   hp::condense(pressed, 0, points);
-  const hp::PairImpulse exact = hp::total_impulse(pressed, {});
+  const hp::PairImpulse exact = hp::total_impulse({&pair}, hp::Rule::End, 1.0 / 240, {}, {});
   Vec3 force, moment;
   for (const hp::PatchPoint& p : points) {
     CHECK(p.impulse >= 0);
@@ -133,7 +133,7 @@ void surfaces_that_face_apart_are_patches() {
   for (int i = 0; i < back.near.size(); i++)
     add(pair, back.near.vector(N::Hard, i), {1, 0, 0}, 0.02, 0.02);
   hp::find_pressures(hp::Rule::End, 1.0 / 240, pair);
-  std::vector<hp::PressedSample> pressed;
+  hp::PressedSamples pressed;
   hp::list_pressed(pair, 0, hp::Rule::End, 1.0 / 240, {}, pressed);
   std::vector<hp::PatchPoint> points;
   hp::condense(pressed, 0, points);
@@ -154,8 +154,8 @@ void a_box_is_as_far_as_by_gjk() {
   box.posed.place(box.hull, {}, {});
   world.statics = {box, box};
   world.statics[0].hull.normals = {{0, 1, 0}, {0, 0, 1}};
-  soft.static_boxes = {hp::FrameBox::of(world.statics[0].hull), hp::FrameBox::of(box.hull)};
   for (hp::Static& s : world.statics) s.posed.hull = &s.hull;
+  soft.find_boxes(world);
   CHECK(soft.static_boxes[0].is && !soft.static_boxes[1].is);
   for (const Vec3 x : {Vec3{0.1, 0, 1.25}, Vec3{0.9, 0, 1.2}, Vec3{-0.4, -0.5, 0.8}}) {
     hp::FramePoint a, b;

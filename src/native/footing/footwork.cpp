@@ -48,7 +48,8 @@ void Footwork::begin_step(const std::vector<Foot>& feet, const Lands& lands) {
     const double stood = feet[f].held ? tune::kStoodToWait : tune::kStood;
     if (feet[f].rests <= tune::kAtRestShare || !feet[f].grounded || feet[f].rested < stood) return;
     const double how = late(places_[f]);
-    if (how <= 1 || !feet[f].stands || !others_stand(feet, f)) continue;
+    // One that hangs behind, as its leg does not reach the ground, steps too.
+    if (how <= 1 || !others_stand(feet, f)) continue;
     // Of two that are as late as each other, but for rounding, the one that has stood for longer.
     const bool alike = next >= 0 && std::fabs(how - latest) < tune::kAlikeLate;
     if (alike ? feet[f].rested > feet[next].rested : how > latest) latest = how, next = (int)f;

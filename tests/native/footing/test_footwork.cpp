@@ -92,15 +92,19 @@ void a_foot_steps_only_where_there_is_ground_and_then_shorter() {
   for (size_t f = 0; f < 2; f++) CHECK(feet.offset(f).y > -0.11);
 }
 
+// But the one that hangs behind is: a leg that does not reach the ground would be dragged along for ever.
 void a_foot_is_not_lifted_while_the_other_does_not_stand() {
   Footwork feet;
   feet.clear(2);
+  bool stepped = false;
   for (int i = 0; i < 60; i++) {
     auto both = standing({0, 0.005, 0});
     both[1].stands = false;
     feet.frame(both, true, kDt, kAnywhere);
-    CHECK(!feet.steps(0) && !feet.steps(1));
+    CHECK(!feet.steps(0));
+    stepped |= feet.steps(1);
   }
+  CHECK(stepped);
 }
 
 void who_waits_leaves_a_foot_that_was_stopped_where_it_is() {

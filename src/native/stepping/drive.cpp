@@ -53,16 +53,31 @@ void Drive::followed(bool exerts) {
   for (auto* v : {&deviation_, &lately_}) std::fill(v->begin(), v->end(), 0.0);
 }
 
+bool Drive::lately() const {
+  for (int i = 0; i < ball_count(); i++)
+    if (lately(i)) return true;
+  return false;
+}
+
+// How much the root's deviation grows as a frame begins whose reference goes at another velocity than `v_ref`, that
+// of the frame before, for other reasons than the motion's own: the body keeps its momentum. Such reasons are a clock
+// that slows down, and, once touched, the way back to the path or round something.
+Vec3 Drive::keeps(const DriveSettings& s, Vec3 v_ref, Vec3 beside_before, Vec3 beside) const {
+  if (s.time_constant == 0) return {};
+  Vec3 by = clock.slowed() * v_ref;
+  if (!lately()) return by;
+  const Vec3 change = beside - (1 - clock.slowed()) * beside_before;
+  return {by.x - change.x, by.y - change.y, by.z};
+}
+
 void Drive::begin_frame(const DriveSettings& s, const double* qpos, double* qvel) {
   motion.velocity(qvel);
   motion.step_through();
   exact_ = false;
   const double rate = 1 / motion.frame_length();
   const int nv = dof_count();
-  // What a clock that slows down takes from the motion's velocity it does not take from the body's.
-  if (s.time_constant > 0)
-    for (int i = 0; i < 3; i++)
-      deviation_[i] += clock.slowed() * (qvel[first_dof() + i] - deviation_[i]);
+  const Vec3 e = load3(deviation_.data()), before = load3(qvel + first_dof()) - e;
+  store3(deviation_.data(), e + keeps(s, before, motion.beside_before(), motion.beside()));
   // That of the last frame.
   for (int i = 0; i < nv; i++) gain_[i] = qvel[first_dof() + i] - deviation_[i];
   motion.reference(v_ref_.data());
@@ -175,7 +190,8 @@ Drive::Ahead Drive::ahead(const DriveSettings& s, const double* target, double d
     if (turned) off = std::max(0.0, 1 - dt * rate / norm(off)) * off;
   } else {
     const double tau = s.time_constant, h = dt / tune::kFrameParts, sc = scale(s, h);
-    Vec3 v = load3(&deviation_[0]), w = load3(&deviation_[root.dof]);
+    Vec3 v = load3(deviation_.data()), w = load3(&deviation_[root.dof]);
+    v += keeps(s, load3(v_ref_.data()), motion.beside(), motion.beside(s, target, dt, qpos));
     for (int k = 0; k < tune::kFrameParts; k++) {
       v = (1 / sc) * v;
       drift += h * v;
@@ -265,7 +281,7 @@ void Drive::save(std::vector<double>& out) const {
     out.insert(out.end(), v->begin(), v->end());
   out.insert(out.end(), {(exact_ ? 1.0 : 0.0) + (motion.fresh() ? 2.0 : 0.0) +
                              (carried ? 4.0 : 0.0) + (sits ? 8.0 : 0.0),
-                         gentle_return.left()});
+                         gentle_return.left(), motion.beside().x, motion.beside().y});
   footing.save(out);
   clock.save(out);
 }
@@ -279,11 +295,13 @@ const double* Drive::load(const double* in) {
   }
   const int flags = (int)*in++;
   exact_ = (flags & 1) != 0;
-  motion.restore(target, (flags & 2) != 0);
+  const double left = *in++;
+  motion.restore(target, (flags & 2) != 0, {in[0], in[1], 0});
+  in += 2;
   carried = (flags & 4) != 0;
   sits = (flags & 8) != 0;
   q_start_ = motion.target();
-  gentle_return.restore(*in++);
+  gentle_return.restore(left);
   in = footing.load(in);
   clock.reset(*this, target);
   in = clock.load(*this, in);

@@ -59,15 +59,30 @@ bool Drive::lately() const {
   return false;
 }
 
-// How much the root's deviation grows as a frame begins whose reference goes at another velocity than `v_ref`, that
-// of the frame before, for other reasons than the motion's own: the body keeps its momentum. Such reasons are a clock
-// that slows down, and, once touched, the way back to the path or round something.
-Vec3 Drive::keeps(const DriveSettings& s, Vec3 v_ref, Vec3 beside_before, Vec3 beside) const {
+namespace {
+
+// The part of a change of velocity that leads towards the deviation `e`: there the reference comes nearer to
+// the body's own velocity.
+Vec3 towards(Vec3 change, Vec3 e) {
+  const double size2 = norm2(change);
+  return size2 > 0 ? std::clamp(dot(e, change) / size2, 0.0, 1.0) * change : Vec3{};
+}
+
+}  // namespace
+
+// How much the root's deviation grows as a frame begins whose reference goes at another velocity than `v_ref`, that of
+// the frame before, and the body keeps its momentum: all that a clock that slows down takes; and of what the way back
+// to the path or round something changes, once touched, what leads towards the body's own velocity (who is held by a
+// wall is not thrown back as it gives up), and what is more than feet give.
+Vec3 Drive::keeps(const DriveSettings& s, Vec3 v_ref) const {
   if (s.time_constant == 0) return {};
-  Vec3 by = clock.slowed() * v_ref;
+  const Vec3 by = clock.slowed() * v_ref;
   if (!lately()) return by;
-  const Vec3 change = beside - (1 - clock.slowed()) * beside_before;
-  return {by.x - change.x, by.y - change.y, by.z};
+  Vec3 change = motion.beside() - (1 - clock.slowed()) * motion.beside_before();
+  change.z = 0;
+  const Vec3 rest = change - towards(change, load3(deviation_.data()) + by);
+  const double most = tuning::footing::kFeetGive * motion.frame_length();
+  return by - (change - capped(rest, most));
 }
 
 void Drive::begin_frame(const DriveSettings& s, const double* qpos, double* qvel) {
@@ -77,7 +92,7 @@ void Drive::begin_frame(const DriveSettings& s, const double* qpos, double* qvel
   const double rate = 1 / motion.frame_length();
   const int nv = dof_count();
   const Vec3 e = load3(deviation_.data()), before = load3(qvel + first_dof()) - e;
-  store3(deviation_.data(), e + keeps(s, before, motion.beside_before(), motion.beside()));
+  store3(deviation_.data(), e + keeps(s, before));
   // That of the last frame.
   for (int i = 0; i < nv; i++) gain_[i] = qvel[first_dof() + i] - deviation_[i];
   motion.reference(v_ref_.data());
@@ -190,8 +205,7 @@ Drive::Ahead Drive::ahead(const DriveSettings& s, const double* target, double d
     if (turned) off = std::max(0.0, 1 - dt * rate / norm(off)) * off;
   } else {
     const double tau = s.time_constant, h = dt / tune::kFrameParts, sc = scale(s, h);
-    Vec3 v = load3(deviation_.data()), w = load3(&deviation_[root.dof]);
-    v += keeps(s, load3(v_ref_.data()), motion.beside(), motion.beside(s, target, dt, qpos));
+    Vec3 v = load3(&deviation_[0]), w = load3(&deviation_[root.dof]);
     for (int k = 0; k < tune::kFrameParts; k++) {
       v = (1 / sc) * v;
       drift += h * v;

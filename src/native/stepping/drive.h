@@ -144,7 +144,7 @@ class Drive : public PersonDofs {
   const double* load(const double* in);
 
  private:
-  Vec3 keeps(const DriveSettings& s, Vec3 v_ref, Vec3 beside_before, Vec3 beside) const;
+  Vec3 keeps(const DriveSettings& s, Vec3 v_ref) const;
   void set_velocities(const DriveSettings& s, const double* q, double* qvel);
   void spring_velocity(const DriveSettings& s, int k, double h, const double* q, double* v) const;
   bool restored_deviation(const DriveSettings& s, int k, double h, const double* q, const double* v,

@@ -48,14 +48,9 @@ Vec3 ReferenceMotion::beside(const DriveSettings& s, const std::vector<double>& 
   return {goes.x - own.x, goes.y - own.y, back.z};
 }
 
-Vec3 ReferenceMotion::beside(const DriveSettings& s, const double* next, double dt,
-                             const double* qpos) const {
-  return beside(s, target_, next, dt, qpos, true);
-}
-
 Vec3 ReferenceMotion::displaced(const DriveSettings& s, const double* next, double dt,
                                 const double* qpos) const {
-  const Vec3 back = beside(s, next, dt, qpos);
+  const Vec3 back = beside(s, target_, next, dt, qpos, true);
   Vec3 off = load3(qpos + dofs_.first_qpos()) - load3(target_.data());
   off.x += dt * back.x, off.y += dt * back.y;
   return off;

@@ -34,10 +34,8 @@ class ReferenceMotion {
   void raise(double by) { target_[2] += by; }
   // A ball, by its place in the person's qpos, goes on from rotation `q` (wxyz), where it is.
   void go_on(int ball_qpos, const double* q) { std::copy_n(q, 4, &target_[ball_qpos]); }
-  // The root's velocity in a frame that is about to be aimed at `next`, but for the motion's own: back to the
-  // path, or round something [m/s].
-  Vec3 beside(const DriveSettings& s, const double* next, double dt, const double* qpos) const;
-  // The same in this frame, and in the one before.
+  // The root's velocity in this frame, and in the one before, but for the motion's own: back to the path, or
+  // round something [m/s].
   Vec3 beside() const { return beside_; }
   Vec3 beside_before() const { return beside_before_; }
   // How far the root will be off its path along the ground at the end of a frame that is about to be

@@ -103,6 +103,23 @@ def test_who_goes_on_against_a_wall_is_not_thrown_back(x):
     assert np.linalg.norm(beside, axis=1).mean() < 400.0
 
 
+def test_a_state_saved_while_going_round_a_wall_resumes_to_the_bit():
+    motion = walk(frames=200, stop=9.0)
+    simulator = hp.Simulator(room(**WALL), body=BODY, fps=motion.fps)
+    simulator.reset(motion[0])
+    for k in range(1, 190):
+        simulator.step(motion[k])
+    saved = simulator.get_state()
+
+    def poses():
+        frames = [simulator.step(motion[k]) for k in range(190, 200)]
+        return np.array([frame.poses[0].translation for frame in frames])
+
+    once = poses()
+    simulator.set_state(saved)
+    assert np.array_equal(poses(), once)
+
+
 def test_continue_walks_on_the_spot_as_the_paper_does():
     settings = hp.Settings(blocked="continue")
     result = hp.simulate(walk(), room(**WALL), body=BODY, settings=settings)

@@ -852,6 +852,8 @@ constexpr double kHeldUp = 0.5;
 // centre of mass to the edge of the support, h some 0.9 m. Measured pushes of upright walkers are 150 to
 // 300 N.
 constexpr double kPush = 0.4;
+// How fast feet speed a body up along the ground [m/s^2]: kPush of its weight.
+constexpr double kFeetGive = kPush * 9.81;
 // Firmness of the toes of somebody with a footing: at 1 they curl by 98 degrees under a foot that is 1 cm in
 // the floor, at 300 by 5; it is that of an inertia of 20 g.
 constexpr double kToeFirmness = 300;
@@ -905,6 +907,8 @@ constexpr double kAlikeLate = 1e-3;
 // How long both feet have stood before one of them is lifted [s]: the two of a walk stand together for 0.1 s.
 // Who waits lifts one as soon as it stands.
 constexpr double kStood = 0.2, kStoodToWait = 0.05;
+// A foot hangs behind that has rested for so long in the motion [s], at this share of how far it may be from its home.
+constexpr double kHangsFor = 0.5, kHangsAt = 0.95;
 // A foot that is less than this above its ground stands [m].
 constexpr double kStands = 0.01;
 // A step lasts the first [s], less kHurry for every m/s that the body goes beside its motion, but no less than the

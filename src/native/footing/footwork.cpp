@@ -48,7 +48,8 @@ void Footwork::begin_step(const std::vector<Foot>& feet, const Lands& lands) {
     const double stood = feet[f].held ? tune::kStoodToWait : tune::kStood;
     if (feet[f].rests <= tune::kAtRestShare || !feet[f].grounded || feet[f].rested < stood) return;
     const double how = late(places_[f]);
-    if (how <= 1 || !feet[f].stands || !others_stand(feet, f)) continue;
+    const bool ready = feet[f].stands || hangs(feet[f], places_[f]);
+    if (how <= 1 || !ready || !others_stand(feet, f)) continue;
     // Of two that are as late as each other, but for rounding, the one that has stood for longer.
     const bool alike = next >= 0 && std::fabs(how - latest) < tune::kAlikeLate;
     if (alike ? feet[f].rested > feet[next].rested : how > latest) latest = how, next = (int)f;
@@ -61,6 +62,12 @@ void Footwork::begin_step(const std::vector<Foot>& feet, const Lands& lands) {
   steps_ = next;
   time_ = 0;
   lasts_ = std::max(tune::kStepTime - tune::kHurry * norm(speed_), tune::kQuickestStep);
+}
+
+// Nothing keeps it from its place, but its leg does not reach the ground from there: left so, it would be dragged along.
+bool Footwork::hangs(const Foot& foot, const Place& place) {
+  return !foot.stands && foot.rested > tune::kHangsFor && norm(foot.missed) < tune::kStopped &&
+         norm(place.offset - place.home) > tune::kHangsAt * most(place);
 }
 
 bool Footwork::others_stand(const std::vector<Foot>& feet, size_t foot) {

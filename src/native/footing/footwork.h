@@ -66,6 +66,7 @@ class Footwork {
   Vec3 wanted(const Place& place) const;
   double late(const Place& place) const;
   void begin_step(const std::vector<Foot>& feet, const Lands& lands);
+  static bool hangs(const Foot& foot, const Place& place);
   static bool others_stand(const std::vector<Foot>& feet, size_t foot);
   void step(double dt);
   static double most(const Place& place);

@@ -11,9 +11,7 @@ namespace {
 // Has a contact pushed any of a person's bodies within the last kTouchedTime? What a wader stands in is none.
 bool touched(const Drive& d) {
   if (d.footing.on() && d.footing.wades()) return d.footing.wading.hindered();
-  for (int i = 0; i < d.ball_count(); i++)
-    if (d.lately(i)) return true;
-  return false;
+  return d.lately();
 }
 
 // Nothing but the ground, through the feet, moves a person as a whole: its weight pulls it down, legs

@@ -53,16 +53,46 @@ void Drive::followed(bool exerts) {
   for (auto* v : {&deviation_, &lately_}) std::fill(v->begin(), v->end(), 0.0);
 }
 
+bool Drive::lately() const {
+  for (int i = 0; i < ball_count(); i++)
+    if (lately(i)) return true;
+  return false;
+}
+
+namespace {
+
+// The part of a change of velocity that leads towards the deviation `e`: there the reference comes nearer to
+// the body's own velocity.
+Vec3 towards(Vec3 change, Vec3 e) {
+  const double size2 = norm2(change);
+  return size2 > 0 ? std::clamp(dot(e, change) / size2, 0.0, 1.0) * change : Vec3{};
+}
+
+}  // namespace
+
+// How much the root's deviation grows as a frame begins whose reference goes at another velocity than `v_ref`, that of
+// the frame before, and the body keeps its momentum: all that a clock that slows down takes; and of what the way back
+// to the path or round something changes, once touched, what leads towards the body's own velocity (who is held by a
+// wall is not thrown back as it gives up), and what is more than feet give.
+Vec3 Drive::keeps(const DriveSettings& s, Vec3 v_ref) const {
+  if (s.time_constant == 0) return {};
+  const Vec3 by = clock.slowed() * v_ref;
+  if (!lately()) return by;
+  Vec3 change = motion.beside() - (1 - clock.slowed()) * motion.beside_before();
+  change.z = 0;
+  const Vec3 rest = change - towards(change, load3(deviation_.data()) + by);
+  const double most = tuning::footing::kFeetGive * motion.frame_length();
+  return by - (change - capped(rest, most));
+}
+
 void Drive::begin_frame(const DriveSettings& s, const double* qpos, double* qvel) {
   motion.velocity(qvel);
   motion.step_through();
   exact_ = false;
   const double rate = 1 / motion.frame_length();
   const int nv = dof_count();
-  // What a clock that slows down takes from the motion's velocity it does not take from the body's.
-  if (s.time_constant > 0)
-    for (int i = 0; i < 3; i++)
-      deviation_[i] += clock.slowed() * (qvel[first_dof() + i] - deviation_[i]);
+  const Vec3 e = load3(deviation_.data()), before = load3(qvel + first_dof()) - e;
+  store3(deviation_.data(), e + keeps(s, before));
   // That of the last frame.
   for (int i = 0; i < nv; i++) gain_[i] = qvel[first_dof() + i] - deviation_[i];
   motion.reference(v_ref_.data());
@@ -265,7 +295,7 @@ void Drive::save(std::vector<double>& out) const {
     out.insert(out.end(), v->begin(), v->end());
   out.insert(out.end(), {(exact_ ? 1.0 : 0.0) + (motion.fresh() ? 2.0 : 0.0) +
                              (carried ? 4.0 : 0.0) + (sits ? 8.0 : 0.0),
-                         gentle_return.left()});
+                         gentle_return.left(), motion.beside().x, motion.beside().y});
   footing.save(out);
   clock.save(out);
 }
@@ -279,11 +309,13 @@ const double* Drive::load(const double* in) {
   }
   const int flags = (int)*in++;
   exact_ = (flags & 1) != 0;
-  motion.restore(target, (flags & 2) != 0);
+  const double left = *in++;
+  motion.restore(target, (flags & 2) != 0, {in[0], in[1], 0});
+  in += 2;
   carried = (flags & 4) != 0;
   sits = (flags & 8) != 0;
   q_start_ = motion.target();
-  gentle_return.restore(*in++);
+  gentle_return.restore(left);
   in = footing.load(in);
   clock.reset(*this, target);
   in = clock.load(*this, in);

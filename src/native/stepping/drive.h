@@ -135,6 +135,7 @@ class Drive : public PersonDofs {
   void reference_change(double* a) const;
   // Has a contact pushed a body that this ball moves within the last kTouchedTime?
   bool lately(int ball) const { return lately_[ball] > 0; }
+  bool lately() const;  // any of its bodies
 
   bool gentle() const { return gentle_return.active(); }
 
@@ -143,6 +144,7 @@ class Drive : public PersonDofs {
   const double* load(const double* in);
 
  private:
+  Vec3 keeps(const DriveSettings& s, Vec3 v_ref) const;
   void set_velocities(const DriveSettings& s, const double* q, double* qvel);
   void spring_velocity(const DriveSettings& s, int k, double h, const double* q, double* v) const;
   bool restored_deviation(const DriveSettings& s, int k, double h, const double* q, const double* v,

@@ -11,6 +11,7 @@ void ReferenceMotion::reset(const double* target) {
   target_.assign(target, target + dofs_.qpos_count());
   previous_ = target_;
   fresh_ = true;
+  beside_ = {};
   velocity_known_ = older_asked_ = true;
 }
 
@@ -24,14 +25,14 @@ void ReferenceMotion::aim(const DriveSettings& s, const double* target, double d
   older_.swap(previous_);
   previous_.swap(target_);
   target_.assign(target, target + dofs_.qpos_count());
-  root_velocity_ = (1 / dt) * (load3(target) - load3(previous_.data()));
-  root_velocity_ += way_back(s, previous_, dt, qpos, weight);
-  if (goes_round) root_velocity_.x = goes.x, root_velocity_.y = goes.y;
+  beside_before_ = beside_;
+  beside_ = beside(s, previous_, target, dt, qpos, weight);
+  root_velocity_ = (1 / dt) * (load3(target) - load3(previous_.data())) + beside_;
 }
 
 // Measured against the reference as it was when this pose was reached.
-Vec3 ReferenceMotion::way_back(const DriveSettings& s, const std::vector<double>& reached,
-                               double dt, const double* qpos, bool weight) const {
+Vec3 ReferenceMotion::beside(const DriveSettings& s, const std::vector<double>& reached,
+                             const double* next, double dt, const double* qpos, bool weight) const {
   if (!s.recover_root && !weight) return {};
   const Vec3 off = load3(reached.data()) - load3(qpos + dofs_.first_qpos());
   Vec3 back;
@@ -42,14 +43,15 @@ Vec3 ReferenceMotion::way_back(const DriveSettings& s, const std::vector<double>
     const double fall = (1 - elementary::exp(-dt / tune::kFallTime)) / dt * off.z;
     back.z = std::clamp(fall, -tune::kFallSpeed, s.root_speed);
   }
-  return back;
+  if (!goes_round) return back;
+  const Vec3 own = (1 / dt) * (load3(next) - load3(reached.data()));
+  return {goes.x - own.x, goes.y - own.y, back.z};
 }
 
 Vec3 ReferenceMotion::displaced(const DriveSettings& s, const double* next, double dt,
                                 const double* qpos) const {
-  Vec3 back = way_back(s, target_, dt, qpos, true);
+  const Vec3 back = beside(s, target_, next, dt, qpos, true);
   Vec3 off = load3(qpos + dofs_.first_qpos()) - load3(target_.data());
-  if (goes_round) back = goes - (1 / dt) * (load3(next) - load3(target_.data()));
   off.x += dt * back.x, off.y += dt * back.y;
   return off;
 }
@@ -119,10 +121,11 @@ void ReferenceMotion::speeds(std::vector<double>& angular) const {
   }
 }
 
-void ReferenceMotion::restore(const double* target, bool fresh) {
+void ReferenceMotion::restore(const double* target, bool fresh, Vec3 beside) {
   target_.assign(target, target + dofs_.qpos_count());
   previous_ = target_;
   fresh_ = fresh;
+  beside_ = beside;
   velocity_known_ = older_asked_ = true;
 }
 

@@ -34,6 +34,10 @@ class ReferenceMotion {
   void raise(double by) { target_[2] += by; }
   // A ball, by its place in the person's qpos, goes on from rotation `q` (wxyz), where it is.
   void go_on(int ball_qpos, const double* q) { std::copy_n(q, 4, &target_[ball_qpos]); }
+  // The root's velocity in this frame, and in the one before, but for the motion's own: back to the path, or
+  // round something [m/s].
+  Vec3 beside() const { return beside_; }
+  Vec3 beside_before() const { return beside_before_; }
   // How far the root will be off its path along the ground at the end of a frame that is about to be
   // aimed at `next`, if nothing is in the way, and how far above it is now [m].
   Vec3 displaced(const DriveSettings& s, const double* next, double dt, const double* qpos) const;
@@ -65,19 +69,19 @@ class ReferenceMotion {
   bool fresh() const { return fresh_; }        // nothing has been aimed at since the reset
   bool first() const { return first_; }        // nor before this frame
 
-  // Of a saved target.
-  void restore(const double* target, bool fresh);
+  // Of a saved target, and beside().
+  void restore(const double* target, bool fresh, Vec3 beside);
 
  private:
-  Vec3 way_back(const DriveSettings& s, const std::vector<double>& reached, double dt,
-                const double* qpos, bool weight) const;
+  Vec3 beside(const DriveSettings& s, const std::vector<double>& reached, const double* next,
+              double dt, const double* qpos, bool weight) const;
   void difference(const std::vector<double>& from, const std::vector<double>& to, double dt,
                   Vec3 root, double* v) const;
 
   PersonDofs dofs_;
   std::vector<double> target_, previous_;  // qpos of the person
   double dt_ = 0;
-  Vec3 root_velocity_;  // [m/s]
+  Vec3 root_velocity_, beside_, beside_before_;  // [m/s]
   bool fresh_ = true, first_ = true;
   bool velocity_known_ = true;  // it is in qvel
   // Of the frame before, while its velocity has not been asked for.

@@ -97,9 +97,29 @@ void a_foot_is_not_lifted_while_the_other_does_not_stand() {
   feet.clear(2);
   for (int i = 0; i < 60; i++) {
     auto both = standing({0, 0.005, 0});
+    both[0].rested = both[1].rested = 0.4;
     both[1].stands = false;
     feet.frame(both, true, kDt, kAnywhere);
     CHECK(!feet.steps(0) && !feet.steps(1));
+  }
+}
+
+// A leg that does not reach the ground behind the body would be dragged along for ever.
+void a_foot_that_hangs_behind_steps_unless_something_keeps_it() {
+  for (const bool kept : {false, true}) {
+    Footwork feet;
+    feet.clear(2);
+    bool stepped = false;
+    for (int i = 0; i < 60; i++) {
+      auto both = standing({0, 0.005, 0});
+      both[1].stands = false;
+      if (kept) both[1].missed = {0, -0.05, 0};
+      feet.frame(both, true, kDt, kAnywhere);
+      CHECK(!feet.steps(0));
+      if (feet.steps(1) && !stepped) CHECK(feet.offset(1).y < -0.2);
+      stepped |= feet.steps(1);
+    }
+    CHECK(stepped == !kept);
   }
 }
 
@@ -169,6 +189,7 @@ int main() {
   who_is_moved_aside_steps_with_one_foot_at_a_time_and_slides_not_at_all();
   a_foot_steps_only_where_there_is_ground_and_then_shorter();
   a_foot_is_not_lifted_while_the_other_does_not_stand();
+  a_foot_that_hangs_behind_steps_unless_something_keeps_it();
   who_waits_leaves_a_foot_that_was_stopped_where_it_is();
   a_body_slows_down_where_its_feet_cannot_follow();
   what_a_motion_lifts_comes_back_to_its_place();

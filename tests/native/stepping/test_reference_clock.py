@@ -80,6 +80,46 @@ def test_a_clock_that_slows_down_throws_nobody_back(x):
     assert back < 0.7  # [m/s]; it walked at 1.2
 
 
+@pytest.mark.parametrize("x", [1.6, 1.8, 2.0])
+def test_who_goes_on_against_a_wall_is_not_thrown_back(x):
+    """Past its patience and round: what the way back to the path loses of its speed pushes nobody.
+
+    With the reference's change of velocity given to the body: 0.4 to 1.6 m, at 1.5 to 3 m/s,
+    with nothing that pushed.
+    """
+    result = hp.simulate(
+        walk(frames=255, stop=9.0),
+        room(wall=(WALL["wall"][0], (x, 0.0, 1.25))),
+        body=BODY,
+        settings=STANDS_FIRM,
+    )
+    assert result.clock[-1] < len(result) / result.fps - 3.0  # it has waited, and has gone on
+    assert np.diff(result.clock)[-15:].min() > 0.9 / result.fps
+    way = result.motion.translation[:, 0]
+    assert (np.maximum.accumulate(way) - way).max() < 0.3
+    back = -np.diff(way).min() * result.fps
+    assert back < 1.0  # [m/s]
+    beside = forces(result)[np.linalg.norm(forces(result), axis=1) > 0.0]
+    assert np.linalg.norm(beside, axis=1).mean() < 400.0
+
+
+def test_a_state_saved_while_going_round_a_wall_resumes_to_the_bit():
+    motion = walk(frames=200, stop=9.0)
+    simulator = hp.Simulator(room(**WALL), body=BODY, fps=motion.fps)
+    simulator.reset(motion[0])
+    for k in range(1, 190):
+        simulator.step(motion[k])
+    saved = simulator.get_state()
+
+    def poses():
+        frames = [simulator.step(motion[k]) for k in range(190, 200)]
+        return np.array([frame.poses[0].translation for frame in frames])
+
+    once = poses()
+    simulator.set_state(saved)
+    assert np.array_equal(poses(), once)
+
+
 def test_continue_walks_on_the_spot_as_the_paper_does():
     settings = hp.Settings(blocked="continue")
     result = hp.simulate(walk(), room(**WALL), body=BODY, settings=settings)

@@ -29,6 +29,34 @@ _DROP = """([name, data]) => {
     dispatchEvent(new DragEvent(type, { dataTransfer, bubbles: true, cancelable: true }));
   }
 }"""
+#: Drawing in software takes a whole core, and pages draw all the time. Here they do so at most
+#: twenty times a second, and without smooth edges, which four times the pixels are drawn for: no
+#: test looks at either.
+_PLAIN = """(() => {
+  const context = HTMLCanvasElement.prototype.getContext;
+  HTMLCanvasElement.prototype.getContext = function (kind, options) {
+    const plain = /^webgl/.test(kind) ? { ...options, antialias: false } : options;
+    return context.call(this, kind, plain);
+  };
+  const next = window.requestAnimationFrame.bind(window), waiting = new Map();
+  let number = 0, asked = false, last = 0;
+  const draw = (now) => {
+    const calls = [...waiting.values()];
+    waiting.clear();
+    asked = false;
+    last = performance.now();
+    for (const call of calls) {
+      try { call(now); } catch (error) { reportError(error); }
+    }
+  };
+  window.requestAnimationFrame = (call) => {
+    waiting.set(++number, call);
+    if (!asked) setTimeout(() => next(draw), Math.max(0, last + 50 - performance.now()));
+    asked = true;
+    return number;
+  };
+  window.cancelAnimationFrame = (which) => waiting.delete(which);
+})()"""
 SIZES = {"desktop": (1280, 800), "phone": (390, 844)}
 
 
@@ -113,6 +141,7 @@ def tab(folder: Path, size=SIZES["desktop"]):
             headless=True,
             viewport={"width": size[0], "height": size[1]},
         )
+        context.add_init_script(_PLAIN)
         try:
             yield Tab(context.pages[0] if context.pages else context.new_page())
         finally:

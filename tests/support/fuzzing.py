@@ -24,7 +24,7 @@ from support.paths import ROOT
 #: Time for every kind of test [s]; 0: the few cases that always run.
 SECONDS = float(os.environ.get("HALFPHYSICS_FUZZ", 0.0))
 #: Cases of one seed.
-BATCH = 5
+BATCH = 2
 #: Folder of random cases that have begun and not passed, a file for each process.
 UNDER_WAY = ROOT / "build" / "fuzz"
 #: Judged runs, frames and committed poses, all from clear starts, and the number of runs with a

@@ -6,6 +6,7 @@ import ast
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from support.paths import ROOT
@@ -39,15 +40,16 @@ def modules() -> dict[str, Path]:
     return found
 
 
-def imports() -> set[Import]:
-    """Every import from one module of the package to another."""
+@cache
+def imports() -> frozenset[Import]:
+    """Every import from one module of the package to another; read once."""
     known = modules()
-    return {
+    return frozenset(
         Import(source, target, kind)
         for source, path in known.items()
         for target, kind in _of(source, path, known)
         if target != source
-    }
+    )
 
 
 def _of(source: str, path: Path, known: dict[str, Path]) -> Iterator[tuple[str, str]]:
@@ -119,8 +121,9 @@ def cycles(arrows: dict[str, set[str]]) -> list[list[str]]:
     return found
 
 
-def includes() -> set[tuple[str, str]]:
-    """Every include from one file of the native core to another: paths below src/native."""
+@cache
+def includes() -> frozenset[tuple[str, str]]:
+    """Every include from one file of the native core to another, below src/native; read once."""
     found = set()
     for path in sorted(NATIVE.rglob("*")):
         if path.suffix not in (".h", ".cpp"):
@@ -130,4 +133,4 @@ def includes() -> set[tuple[str, str]]:
             target = beside if beside.exists() else below
             assert target.exists(), f"{path}: #include of {name}, which is not there"
             found.add((path.relative_to(NATIVE).as_posix(), target.relative_to(NATIVE).as_posix()))
-    return found
+    return frozenset(found)

@@ -23,6 +23,12 @@ READ_ONLY = {
 }
 
 
+#: Commands that depend on no file and make none that a later line reads: run once in a process, of
+#: however many documents print them, and then read.
+ONCE = {"demo"}
+_run_once: set[tuple[str, ...]] = set()
+
+
 def lines_of(text: str) -> list[str]:
     """The commands of a block: continued lines joined, comments and prompts left out."""
     joined = re.sub(r"\s*\\\n\s*", " ", text)
@@ -64,9 +70,11 @@ def read_command(arguments: Sequence[str]) -> None:
 
 
 def _halfphysics(arguments: Sequence[str]) -> None:
-    if arguments[0] in READ_ONLY:
+    if arguments[0] in READ_ONLY or tuple(arguments) in _run_once:
         read_command(arguments)
     else:
+        if arguments[0] in ONCE:
+            _run_once.add(tuple(arguments))
         assert main(list(arguments)) == 0, f"halfphysics {shlex.join(arguments)}"
 
 

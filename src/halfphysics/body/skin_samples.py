@@ -23,8 +23,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
-#: Samples of one part are no nearer to each other [m]: a seat of 0.12 m^2 has some 200 of them. With 12 to 20 mm
-#: peaks, means and areas of who sits or lies differ by up to 3 %, the area of who lies by 5 % at 24 mm.
+#: Samples of one part are no nearer to each other [m]: a seat of 0.12 m^2 has some 200 of them.
+#: With 12 to 20 mm peaks, means and areas of who sits or lies differ by up to 3 %; at 24 mm the
+#: area of who lies is 5 % larger.
 PITCH = 0.020
 #: Of hands and feet: a sole has some 100, a fingertip a few.
 FINE = 0.008

@@ -48,12 +48,6 @@ def test_not_a_number_and_other_lengths_are_refused():
         rows(pressure=[1.0, 1.0])
 
 
-def test_single_numbers_fit_into_half_the_size_without_loss():
-    single = rows(pressure=[1e3 / 3, 2e3, 3e3]).single()
-    assert single.pressure[0] == np.float64(np.float32(1e3 / 3))
-    assert np.array_equal(single.pressure, single.single().pressure)
-
-
 def test_it_says_what_it_is():
     assert repr(rows()) == "SoftContacts(3 rows in frames 0 to 1, pressures up to 3 kPa)"
     assert repr(SoftContacts.none()) == "SoftContacts(none)"

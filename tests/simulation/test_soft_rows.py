@@ -53,6 +53,14 @@ def test_samples_that_are_seen_edgewise_are_left_out():
     assert len(soft_rows(world(), rows, np.zeros(2, dtype=int))) == 1
 
 
+def test_numbers_fit_into_half_the_size_without_loss():
+    found = soft_rows(
+        world(), np.array([row(1, -1, 2, 0, pressure=1e3 / 3)]), np.zeros(1, dtype=int)
+    )
+    assert found.pressure[0] == np.float64(np.float32(1e3 / 3))
+    assert found.depth[0] == np.float64(np.float32(0.01))
+
+
 def test_nothing_soft_is_none_and_nothing_pressed_is_no_row():
     empty = np.zeros((0, COLUMNS)), np.zeros(0, dtype=int)
     assert soft_rows(world(soft=False), *empty) is None

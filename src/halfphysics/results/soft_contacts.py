@@ -83,13 +83,3 @@ class SoftContacts(Table):
     def at(self, frame: int) -> Self:
         """The rows of one frame."""
         return self[self.frame == frame]
-
-    def single(self) -> Self:
-        """The same numbers as single precision has them."""
-        values = {}
-        for name in self.columns():
-            column = getattr(self, name)
-            if column.dtype.kind == "f":
-                column = column.astype(np.float32).astype(np.float64)
-            values[name] = column
-        return type(self)(**values)

@@ -35,7 +35,8 @@ def soft_rows(world: World, rows: Array, frame: Ints) -> SoftContacts | None:
     if not world.soft:
         return None
     seen = rows[:, 12] > EDGEWISE
-    rows, frame = rows[seen], frame[seen]
+    # As single precision has them: recorded rows are no finer, and so are those of a live frame.
+    rows, frame = rows[seen].astype(np.float32).astype(np.float64), frame[seen]
     if not len(rows):
         return SoftContacts.none()
     static, under, shape, sample = rows[:, :4].astype(np.int64).T
@@ -60,7 +61,7 @@ def soft_rows(world: World, rows: Array, frame: Ints) -> SoftContacts | None:
         depth=np.maximum(rows[:, 10], 0.0),
         pressure=np.maximum(rows[:, 11], 0.0),
         area=np.maximum(rows[:, 12], 0.0),
-    ).single()
+    )
 
 
 def rows_of(stepper: Any) -> Array:

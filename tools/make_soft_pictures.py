@@ -33,11 +33,11 @@ DOCS = Path(__file__).resolve().parent.parent / "docs"
 OPTIONS = {"sit_on_sofa": {"soft": "sofa"}, "stretch_on_bed": {"soft": "mattress"}}
 #: The film: scenario, where the camera looks, where it stands [m], first and last moment [s].
 CLIPS = (
-    ("sit_on_sofa", (-0.2, 0.0, 0.55), (1.7, -1.9, 1.1), (1.2, 4.2)),
-    ("stretch_on_bed", (-0.1, 0.0, 0.5), (1.9, -2.0, 2.0), (0.0, 3.0)),
-    ("jump_on_bed", (0.0, 0.0, 0.8), (2.6, -2.4, 1.5), (0.8, 3.8)),
-    ("ball_on_cushion", (0.45, 0.0, 0.35), (1.6, -1.2, 0.9), (0.2, 3.0)),
-    ("squeeze_pillow", (0.35, 0.0, 0.85), (1.7, -1.4, 1.3), (0.2, 3.2)),
+    ("sit_on_sofa", (-0.15, 0.0, 0.8), (2.2, -2.4, 1.4), (0.7, 3.7)),
+    ("stretch_on_bed", (0.0, 0.0, 0.45), (2.8, -2.7, 2.6), (0.0, 3.0)),
+    ("jump_on_bed", (0.0, 0.0, 1.1), (3.2, -3.0, 1.9), (0.8, 3.8)),
+    ("ball_on_cushion", (0.3, 0.0, 0.85), (2.4, -2.1, 1.4), (0.2, 3.0)),
+    ("squeeze_pillow", (0.3, 0.0, 1.0), (2.1, -1.9, 1.5), (0.4, 2.8)),
 )
 # Of the film: size of a clip [pixels], pictures, pictures per second, quality [%].
 _CLIP, _PICTURES, _FPS, _QUALITY = (230, 300), 45, 12, 72

@@ -4,10 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 import halfphysics as hp
-from halfphysics.body.skin_samples import FINE, PITCH, skin_samples, vertex_areas
-from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.body.skin_samples import (
+    BALL,
+    FINE,
+    IN_A_FOLD,
+    PITCH,
+    reachable,
+    skin_samples,
+    vertex_areas,
+)
+from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
+from support.judges.triangle_soup import to_triangles
 
 
 @pytest.fixture(scope="module")
@@ -20,11 +30,40 @@ def samples(body):
     return skin_samples(body)
 
 
-def test_areas_sum_to_the_skin_of_every_part(body, samples):
+def test_areas_sum_to_the_skin_of_every_part_that_is_in_no_fold(body, samples):
     area, _ = vertex_areas(body.rest_vertices, body.faces)
-    own = np.bincount(body.weights.argmax(axis=1), area, 55)
+    own = np.bincount(body.weights.argmax(axis=1), area * reachable(body), 55)
     assert np.bincount(samples.part, samples.area, 55) == pytest.approx(own, rel=1e-12)
     assert area.sum() == pytest.approx(1.78, abs=0.02)  # of 1.73 m and 62 litres
+
+
+def test_skin_is_in_a_fold_where_a_ball_on_it_meets_other_skin(body):
+    """By distances from all triangles around, of every hundredth vertex and of the pelvis."""
+    triangles = body.rest_vertices[body.faces]
+    middles = cKDTree(triangles.mean(axis=1))
+    part = body.weights.argmax(axis=1)
+    some = np.union1d(np.arange(0, len(part), 100), np.flatnonzero(part == 0))
+    hands_and_feet = np.array([_fine(JOINT_NAMES[k]) for k in part[some]])
+    _, way = vertex_areas(body.rest_vertices, body.faces)
+    way = way[some] / np.linalg.norm(way[some], axis=1, keepdims=True)
+    centre = body.rest_vertices[some] + BALL * way
+    around = middles.query_ball_point(centre, 0.06)
+    distance = np.array(
+        [
+            to_triangles(np.broadcast_to(c, (len(near), 3)), triangles[near]).min()
+            for c, near in zip(centre, around, strict=True)
+        ]
+    )
+    open_to = (distance >= (1.0 - IN_A_FOLD) * BALL) | hands_and_feet
+    assert (reachable(body)[some] == open_to).mean() > 0.998  # left and right are one
+    # Folds of the pelvis are on its middle, in the cleft.
+    folds = np.flatnonzero(~reachable(body) & (part == 0))
+    assert 0 < len(folds) < 0.2 * (part == 0).sum()
+    assert np.abs(body.rest_vertices[folds, 0]).max() < 0.05
+
+
+def _fine(name: str) -> bool:
+    return name.endswith(("wrist", "ankle", "foot")) or (name[-1] in "123" and "spine" not in name)
 
 
 def test_samples_are_vertices_that_the_hulls_have(body, samples):

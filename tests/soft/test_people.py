@@ -12,6 +12,7 @@ from halfphysics.bench.clips import body as bench_body
 from halfphysics.bench.soft import BED, SEAT, story
 from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.results.layer_pressure import SHOWN
+from halfphysics.results.pressure_maps import pressure_map
 from halfphysics.settings import Settings
 from halfphysics.simulation.simulate import simulate
 from support.judges.skin_judge import SkinJudge
@@ -23,6 +24,9 @@ pytestmark = pytest.mark.slow
 
 #: What carries who sits may miss the weight by this share.
 SEATED = 0.01
+#: Who sits presses most at this distance from the middle of the body, which no fold does [m]: sit
+#: bones are 10 to 13 cm apart, and people have more of a seat under them than bones.
+SIT_BONES, CLEFT = (0.03, 0.09), 0.015
 #: Height of the mattress [m].
 TOP = 0.45
 #: Depths at rest at other frame rates and substeps may differ by this share, joints by this [m].
@@ -100,6 +104,12 @@ def test_a_sofa_and_the_floor_carry_who_sits():
     assert 69.0 < seat < 81.0  # published: evidence/interface_pressures.py
     last = feet.force[-5:].sum(axis=1)[:, 2].mean()
     assert last == pytest.approx(weight, rel=SEATED)
+    made = pressure_map(result, "seat")
+    across = made.pressure[-1].max(axis=1)  # of rows of cells, from one hip to the other
+    off = np.abs(made.cell * (np.arange(len(across)) + 0.5) + made.corner[1])
+    aside = (off > SIT_BONES[0]) & (off < SIT_BONES[1])
+    assert across[aside].max() == across.max()
+    assert across[off < CLEFT].max() < 0.9 * across.max()
 
 
 def test_nobody_enters_the_frame(in_bed):

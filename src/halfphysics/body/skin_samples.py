@@ -1,8 +1,10 @@
 """Samples of the skin: vertices with areas, by which a person presses on what is soft.
 
-Every vertex of the skin gives its share of the triangles around it to the nearest sample of its
-part that faces the same way: areas sum to the skin's area at rest, part by part. Samples of the
-right are mirror images of those of the left (`body/symmetry.py`), where the skin is its own.
+Every vertex of the skin that can be reached gives its share of the triangles around it to the
+nearest sample of its part that faces the same way: areas sum to that skin's area at rest, part by
+part. Skin that lies in a fold presses nothing, as little as it would a mat: both sides of the cleft
+between the buttocks would count for the same square centimetres of a seat. Samples of the right are
+mirror images of those of the left (`body/symmetry.py`), where the skin is its own.
 """
 
 from __future__ import annotations
@@ -15,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.body.symmetry import FLIP, Symmetry
-from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES, MIRRORED, N_JOINTS
+from halfphysics.geometry.mesh_queries import MeshQuery
+from halfphysics.motion.skeleton import JOINT_NAMES, MIRRORED
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -29,6 +32,9 @@ Ints = NDArray[np.int32]
 PITCH = 0.020
 #: Of hands and feet: a sole has some 100, a fingertip a few.
 FINE = 0.008
+#: A ball of this radius rolls over the skin [m]: where it stays off by more than the share of that,
+#: skin is in a fold. Not of hands and feet, whose folds open.
+BALL, IN_A_FOLD = 0.015, 0.3
 
 _known: WeakKeyDictionary[Body, SkinSamples] = WeakKeyDictionary()
 
@@ -73,18 +79,36 @@ def vertex_areas(vertices: Array, faces: NDArray[np.int32]) -> tuple[Array, Arra
     return total, way
 
 
+def reachable(body: Body) -> NDArray[np.bool_]:
+    """Which vertices of the skin at rest are in no fold (V,).
+
+    A ball on a vertex, on the side of its normal, comes nearer to other skin than its radius there.
+    """
+    rest, faces = body.rest_vertices, body.faces
+    _, way = vertex_areas(rest, faces)
+    centre = rest + BALL * way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-300)
+    distance, _, _ = MeshQuery(rest, faces).closest(centre)
+    result = (distance >= (1.0 - IN_A_FOLD) * BALL) | _hands_and_feet()[body.weights.argmax(axis=1)]
+    if body.symmetry is not None:
+        result |= result[body.symmetry.vertex]
+    return result
+
+
+def _hands_and_feet() -> NDArray[np.bool_]:
+    """Which parts are of a hand or a foot (55,)."""
+    fine = [n for n in JOINT_NAMES if n.endswith(("wrist", "ankle", "foot")) or n[-1] in "123"]
+    return np.isin(JOINT_NAMES, [n for n in fine if "spine" not in n])
+
+
 def _pitches() -> Array:
     """Pitch of every part (55,) [m]."""
-    fine = [n for n in JOINT_NAMES if n.endswith(("wrist", "ankle", "foot")) or n[-1] in "123"]
-    fine = [n for n in fine if "spine" not in n]
-    result = np.full(N_JOINTS, PITCH)
-    result[[JOINT_INDEX[n] for n in fine]] = FINE
-    return result
+    return np.where(_hands_and_feet(), FINE, PITCH)
 
 
 def _made(body: Body) -> SkinSamples:
     rest = body.rest_vertices
     area, way = vertex_areas(rest, body.faces)
+    area[~reachable(body)] = 0.0
     unit = way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-300)
     part = body.weights.argmax(axis=1)
     symmetry = body.symmetry

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -142,9 +143,7 @@ def _figures(made: PressureMap, frame: int | None, values: NDArray[np.float32]) 
     if frame is None:
         return f"{largest}, up to {made.force.max(initial=0.0):.0f} N"
     square = 1e4 * float(made.area()[frame])
-    return (
-        f"{largest}, {made.force[frame]:.0f} N, {square:.0f} square cm over {1e-3 * SHOWN:.2g} kPa"
-    )
+    return f"{largest}, {made.force[frame]:.0f} N, {square:.0f} cm² over {1e-3 * SHOWN:.2g} kPa"
 
 
 def _end(made: PressureMap, frame: int | None, most: float | None) -> float:
@@ -197,6 +196,11 @@ def _draw_scale(draw: Any, made: PressureMap, layout: _Layout, font: Any) -> Non
                     draw.text((left - 9, bottom - at), label, fill=INK, font=font, anchor="rm")
 
 
+def _parts(end: float) -> int:
+    """Into how many a scale is cut: four, or five where that gives rounder numbers."""
+    return 4 if math.isclose(float(f"{end / 4.0:.2g}"), end / 4.0) else 5
+
+
 def draw_bar(sheet: Any, corner: tuple[int, int], height: int, end: float, font: Any) -> None:
     """Draw the colours and what they mean on a picture of Pillow's.
 
@@ -215,8 +219,9 @@ def draw_bar(sheet: Any, corner: tuple[int, int], height: int, end: float, font:
     strip = np.rint(255.0 * shades(np.tile(share[:, None], (1, _BAR)))).astype(np.uint8)
     sheet.paste(Image.fromarray(strip), corner)
     draw.rectangle([x, top, x + _BAR - 1, top + height - 1], outline=_GRID)
-    for k in range(5):
-        y = top + round((height - 1) * (1.0 - k / 4.0))
+    parts = _parts(end)
+    for k in range(parts + 1):
+        y = top + round((height - 1) * (1.0 - k / parts))
         draw.line([x + _BAR, y, x + _BAR + 4, y], fill=INK)
-        label = f"{1e-3 * end * k / 4.0:.3g}" + (" kPa" if k == 4 else "")
+        label = f"{1e-3 * end * k / parts:.3g}" + (" kPa" if k == parts else "")
         draw.text((x + _BAR + 8, y), label, fill=INK, font=font, anchor="lm")

@@ -88,7 +88,8 @@ def reachable(body: Body) -> NDArray[np.bool_]:
     _, way = vertex_areas(rest, faces)
     centre = rest + BALL * way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-300)
     distance, _, _ = MeshQuery(rest, faces).closest(centre)
-    result = (distance >= (1.0 - IN_A_FOLD) * BALL) | _hands_and_feet()[body.weights.argmax(axis=1)]
+    fine = _hands_and_feet()[body.weights.argmax(axis=1)]
+    result: NDArray[np.bool_] = (distance >= (1.0 - IN_A_FOLD) * BALL) | fine
     if body.symmetry is not None:
         result |= result[body.symmetry.vertex]
     return result

@@ -16,6 +16,7 @@ from halfphysics.body.skin_samples import (
     skin_samples,
     vertex_areas,
 )
+from halfphysics.motion.joint_groups import JOINT_GROUPS
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
 from support.judges.triangle_soup import to_triangles
 
@@ -43,7 +44,8 @@ def test_skin_is_in_a_fold_where_a_ball_on_it_meets_other_skin(body):
     middles = cKDTree(triangles.mean(axis=1))
     part = body.weights.argmax(axis=1)
     some = np.union1d(np.arange(0, len(part), 100), np.flatnonzero(part == 0))
-    hands_and_feet = np.array([_fine(JOINT_NAMES[k]) for k in part[some]])
+    names = np.array(JOINT_NAMES)[part[some]]
+    hands_and_feet = np.isin(names, JOINT_GROUPS["hands"] + JOINT_GROUPS["feet"])
     _, way = vertex_areas(body.rest_vertices, body.faces)
     way = way[some] / np.linalg.norm(way[some], axis=1, keepdims=True)
     centre = body.rest_vertices[some] + BALL * way
@@ -60,10 +62,6 @@ def test_skin_is_in_a_fold_where_a_ball_on_it_meets_other_skin(body):
     folds = np.flatnonzero(~reachable(body) & (part == 0))
     assert 0 < len(folds) < 0.2 * (part == 0).sum()
     assert np.abs(body.rest_vertices[folds, 0]).max() < 0.05
-
-
-def _fine(name: str) -> bool:
-    return name.endswith(("wrist", "ankle", "foot")) or (name[-1] in "123" and "spine" not in name)
 
 
 def test_samples_are_vertices_that_the_hulls_have(body, samples):

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from halfphysics.body.symmetry import FLIP, Symmetry
 from halfphysics.geometry.mesh_queries import MeshQuery
+from halfphysics.motion.joint_groups import JOINT_GROUPS
 from halfphysics.motion.skeleton import JOINT_NAMES, MIRRORED
 
 if TYPE_CHECKING:
@@ -79,14 +80,20 @@ def vertex_areas(vertices: Array, faces: NDArray[np.int32]) -> tuple[Array, Arra
     return total, way
 
 
+def _unit(way: Array) -> Array:
+    result: Array = way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-300)
+    return result
+
+
 def reachable(body: Body) -> NDArray[np.bool_]:
     """Which vertices of the skin at rest are in no fold (V,).
 
-    A ball on a vertex, on the side of its normal, comes nearer to other skin than its radius there.
+    A ball of radius `BALL` [m] that lies on such a vertex, its centre along the normal, comes no
+    nearer to other skin than 1 - `IN_A_FOLD` of that: a closing by a ball (Serra 1982), vertex by
+    vertex. Both of a pair of mirror images are, or none; hands and feet have no folds.
     """
     rest, faces = body.rest_vertices, body.faces
-    _, way = vertex_areas(rest, faces)
-    centre = rest + BALL * way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-300)
+    centre = rest + BALL * _unit(vertex_areas(rest, faces)[1])
     distance, _, _ = MeshQuery(rest, faces).closest(centre)
     fine = _hands_and_feet()[body.weights.argmax(axis=1)]
     result: NDArray[np.bool_] = (distance >= (1.0 - IN_A_FOLD) * BALL) | fine
@@ -97,8 +104,7 @@ def reachable(body: Body) -> NDArray[np.bool_]:
 
 def _hands_and_feet() -> NDArray[np.bool_]:
     """Which parts are of a hand or a foot (55,)."""
-    fine = [n for n in JOINT_NAMES if n.endswith(("wrist", "ankle", "foot")) or n[-1] in "123"]
-    return np.isin(JOINT_NAMES, [n for n in fine if "spine" not in n])
+    return np.isin(JOINT_NAMES, JOINT_GROUPS["hands"] + JOINT_GROUPS["feet"])
 
 
 def _pitches() -> Array:
@@ -110,7 +116,7 @@ def _made(body: Body) -> SkinSamples:
     rest = body.rest_vertices
     area, way = vertex_areas(rest, body.faces)
     area[~reachable(body)] = 0.0
-    unit = way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-300)
+    unit = _unit(way)
     part = body.weights.argmax(axis=1)
     symmetry = body.symmetry
     if symmetry is not None and (part[symmetry.vertex] != MIRRORED[part]).any():

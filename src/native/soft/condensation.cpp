@@ -223,8 +223,8 @@ void list_pressed(const SoftPair& pair, int member, Rule rule, double h, Vec3 wa
     for (int c = 0; c < 3; c++) p.x[c][k] = x[c], p.n[c][k] = n[c];
     p.load[k] = area[i] * pressure[i];
     p.impulse[k] = share * p.load[k];
-    p.yield[k] =
-        share * h * area[i] * slope[i];  // the depth at the end is that at the start less h w
+    // The depth at the end is that at the start less h w.
+    p.yield[k] = share * h * area[i] * slope[i];
     p.sample[k] = near.sample[i], p.member[k] = member;
   }
 }

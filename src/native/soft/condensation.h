@@ -8,8 +8,8 @@
 //     x_j = x_S +- s1 e1 +- s2 e2,   S_j = S/4,
 //     q_j = Q/4 (1 +- a1 +- a2),     a_k = (x_Q - x_S).e_k / s_k
 //
-// which have the force, both moments, and all of their derivatives by a rigid motion of the patch (two points where the patch is
-// a line, one where it is a point). If some q_j were negative, the points lie about x_Q, with equal q_j.
+// which have the force, both moments, and all of their derivatives by a rigid motion of the patch (two points
+// where the patch is a line, one where it is a point). If some q_j were negative, the points lie about x_Q, with equal q_j.
 //
 // Each point is a row of the solver with a compliance: q = max(0, q_j + S_j (w_j - w)).
 #pragma once
@@ -20,9 +20,9 @@
 
 namespace hp {
 
-// The samples of a pair that are under pressure, by what was found last, where the samples are; appended to `out`. With Rule::Mean, whose
-// samples have been measured at the end, impulses act at the means of the places about the shape's middle at the
-// start and at the end, which has gone `way`. The way along the layer that a turn makes is then that of the
+// Appends the samples of a pair that are under pressure, by what was found last, where the samples are. With
+// Rule::Mean, whose samples have been measured at the end, impulses act at the means of the places about the
+// shape's middle at the start and at the end, which has gone `way`. The way along the layer that a turn makes is then that of the
 // velocity there, and the work of the pressures is the energy of the springs; places of one end alone would
 // give a turning thing h/2 of the pressure's work too much.
 void list_pressed(const SoftPair& pair, int member, Rule rule, double h, Vec3 way,

@@ -25,7 +25,6 @@ class PressedSamples {
  public:
   void clear() { blocks_.clear(), size_ = 0; }
   bool empty() const { return size_ == 0; }
-  int size() const { return size_; }
   // Makes room for one more, which is the k-th of the block.
   PressedBlock& add(int& k) {
     k = size_++ % PressedBlock::kSize;

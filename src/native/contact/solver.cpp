@@ -200,7 +200,8 @@ void ContactSolver::solve_island(const System& s, const Island& at, std::vector<
   problem_.settles = true;
   for (int l = 0; l < at.count; l++) {
     const Contact& c = contacts[at.contact[l]];
-    problem_.settles &= c.dist >= 0 && c.closing == 0;
+    const bool range = c.a.count == 0 && c.b.count == 0;  // of a joint: no body is inside another
+    problem_.settles &= range || (c.dist >= 0 && c.closing == 0);
   }
   shut_out_ = false;
   // Roughly while others may join, then properly. What carried something before mostly does so again,

@@ -31,10 +31,7 @@ bool LastCandidates::repeat(BroadPhasePair& e, std::vector<ContactCandidate>& ou
   return true;
 }
 
-void LastCandidates::replace(const ContactCandidate& c) {
-  for (ContactCandidate& k : candidates_)
-    if (pair_key(k) == pair_key(c)) k = c;
-}
+void LastCandidates::replace(size_t index, const ContactCandidate& c) { candidates_[index] = c; }
 
 void LastCandidates::end(const std::vector<double>& valid,
                          const std::vector<ContactCandidate>& all) {

@@ -23,8 +23,8 @@ class LastCandidates {
   void renew(int shape) { same_[shape] = 0; }
   // Appends the candidates that the pair had, if they hold; false: it is to be measured.
   bool repeat(BroadPhasePair& e, std::vector<ContactCandidate>& out);
-  // The pair of a convex static or of two shapes, whose one candidate has been measured since.
-  void replace(const ContactCandidate& c);
+  // The candidate at `index` of the last query, the only one of its pair, has been measured since.
+  void replace(size_t index, const ContactCandidate& c);
   void end(const std::vector<double>& valid, const std::vector<ContactCandidate>& all);
 
  private:

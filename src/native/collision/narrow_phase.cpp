@@ -84,7 +84,7 @@ void NarrowPhase::refine(const Model& m, Poses& start, double h, int index,
     c.known = Known::Direction;
     c.dist = bound;
     broad_phase_.measured(e, bound);
-    return last_.replace(c);
+    return last_.replace(index, c);
   }
   ContactCandidate k;
   k.shape = c.shape, k.other_static = c.other_static, k.other_shape = c.other_shape;
@@ -102,7 +102,7 @@ void NarrowPhase::refine(const Model& m, Poses& start, double h, int index,
   k.share = c.share;
   k.target = std::min(k.target, c.target);  // it may have given way
   c = k;
-  last_.replace(c);
+  last_.replace(index, c);
 }
 
 void NarrowPhase::add_half_space(const PosedShape& a, BroadPhasePair& e, ContactCandidate& c,

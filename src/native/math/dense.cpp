@@ -174,8 +174,7 @@ void factor_cholesky(double* a, int n, const double* least) {
     double* row = a + (long)i * n;
     for (int j = 0; j <= i; j++) {
       const double* other = a + (long)j * n;
-      double s = row[j];
-      for (int c = 0; c < j; c++) s -= row[c] * other[c];
+      const double s = row[j] - inner(row, other, j);
       row[j] = i == j ? std::sqrt(std::max(s, least[i])) : s / other[j];
     }
   }
@@ -183,14 +182,13 @@ void factor_cholesky(double* a, int n, const double* least) {
 
 void solve_cholesky(const double* L, int n, double* x) {
   for (int i = 0; i < n; i++) {
-    double s = x[i];
-    for (int c = 0; c < i; c++) s -= L[(long)i * n + c] * x[c];
-    x[i] = s / L[(long)i * (n + 1)];
+    const double* row = L + (long)i * n;
+    x[i] = (x[i] - inner(row, x, i)) / row[i];
   }
   for (int i = n - 1; i >= 0; i--) {
-    double s = x[i];
-    for (int c = i + 1; c < n; c++) s -= L[(long)c * n + i] * x[c];
-    x[i] = s / L[(long)i * (n + 1)];
+    const double* row = L + (long)i * n;
+    x[i] /= row[i];
+    add_scaled(x, -x[i], row, i);
   }
 }
 

@@ -32,23 +32,32 @@ class Skinner:
         self.sampled = self.faces[face]
         self.points_part = np.concatenate([self.part, self.part[self.sampled[:, 0]]])
 
-    def vertices(self, translation, rotations, axes):
-        """Skin (T, V, 3) of SMPL-X poses (T, 3), (T, 55, 3), axes (3, 3)."""
-        body, count = self.body, len(translation)
+    def joints(self, translation, rotations, axes):
+        """Of every joint the turn (T, 55, 3, 3), and the shift of what it alone moves (T, 55, 3)."""
+        return self._moved(translation, self._turns(rotations), axes)
+
+    def _turns(self, rotations):
         turns = Rotation.from_rotvec(np.array(rotations, float).reshape(-1, 3)).as_matrix()
-        turns = turns.reshape(count, -1, 3, 3)
-        rest = np.broadcast_to(body.rest_vertices, (count, *body.rest_vertices.shape))
-        if body.posedirs is not None:
-            bent = (turns[:, 1:] - np.eye(3)).reshape(count, -1)
-            rest = rest + np.einsum("vik,tk->tvi", body.posedirs, bent, optimize=True)
-        joints = np.asarray(body.rest_joints)
-        world, origin = turns.copy(), np.empty((count, len(joints), 3))
+        return turns.reshape(len(rotations), -1, 3, 3)
+
+    def _moved(self, translation, turns, axes):
+        joints = np.asarray(self.body.rest_joints)
+        world, origin = turns.copy(), np.empty((len(turns), len(joints), 3))
         origin[:, 0] = translation + axes @ joints[0]
         for j in range(1, len(joints)):
             p = int(PARENTS[j])
             world[:, j] = world[:, p] @ turns[:, j]
             origin[:, j] = origin[:, p] + world[:, p] @ (joints[j] - joints[p])
-        shift = origin - np.einsum("tjab,jb->tja", world, joints)
+        return world, origin - np.einsum("tjab,jb->tja", world, joints)
+
+    def vertices(self, translation, rotations, axes):
+        """Skin (T, V, 3) of SMPL-X poses (T, 3), (T, 55, 3), axes (3, 3)."""
+        body, count, turns = self.body, len(translation), self._turns(rotations)
+        rest = np.broadcast_to(body.rest_vertices, (count, *body.rest_vertices.shape))
+        if body.posedirs is not None:
+            bent = (turns[:, 1:] - np.eye(3)).reshape(count, -1)
+            rest = rest + np.einsum("vik,tk->tvi", body.posedirs, bent, optimize=True)
+        world, shift = self._moved(translation, turns, axes)
         out = np.empty(rest.shape)
         for t in range(count):
             blended = self._weights @ np.concatenate([world[t].reshape(-1, 9), shift[t]], axis=1)

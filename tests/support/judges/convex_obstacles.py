@@ -2,7 +2,8 @@
 
 Every triangle of a mesh is an obstacle, every primitive is one as a whole. `Obstacles.clearance`
 answers for many clouds of points at once: is the hull of this cloud farther than `far` from all
-obstacles? It proves so by planes (`separation`): every obstacle near the cloud has to be behind one.
+obstacles? It proves so by planes (`separation`): every obstacle near the cloud has to be behind
+one.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import numpy as np
 
 from halfphysics.base import rotations as rot
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Sphere
-from support.judges.separation import nearest_to_origin, planes
+from support.judges.separation import TINY, nearest_to_origin, planes
 from support.judges.triangle_soup import Boxes
 
 
@@ -34,12 +35,10 @@ class Obstacles:
         self.owner = np.repeat([*meshes, *others], [*map(len, facets), *(1 for _ in others)])
         low, high = self._core.min(axis=1), self._core.max(axis=1)
         self._half = np.array([r.half for r in self._round]).reshape(-1, 3, 3)
-        self._axis = np.array([r.axis for r in self._round]).reshape(-1, 3)
-        self._ball, self._disc = (
-            np.array([getattr(r, k) for r in self._round]).reshape(-1, 1) for k in ("ball", "disc")
-        )
+        self._disc = np.array([r.disc for r in self._round]).reshape(-1, 2, 3)
+        self._ball = np.array([r.ball for r in self._round]).reshape(-1, 1)
         reach = np.abs(self._half).sum(axis=1) + self._ball
-        reach = reach + self._disc * np.sqrt(np.maximum(1.0 - self._axis**2, 0.0))
+        reach = reach + np.linalg.norm(self._disc, axis=1)
         low[self._facets :] -= reach
         high[self._facets :] += reach
         self._middle = 0.5 * (low + high)
@@ -55,9 +54,9 @@ class Obstacles:
             r, n = which[some] - self._facets, n[some]
             sides = np.sign(np.einsum("kij,kj->ki", self._half[r], n))
             out[some] += np.einsum("ki,kij->kj", sides, self._half[r]) + self._ball[r] * n
-            flat = n - np.einsum("ki,ki->k", n, self._axis[r])[:, None] * self._axis[r]
-            size = np.linalg.norm(flat, axis=1, keepdims=True)
-            out[some] += self._disc[r] * flat / np.maximum(size, 1e-300)
+            across = np.einsum("kij,kj->ki", self._disc[r], n)
+            size = np.linalg.norm(across, axis=1, keepdims=True)
+            out[some] += np.einsum("ki,kij->kj", across / np.maximum(size, TINY), self._disc[r])
         return out
 
     def near(self, low, high):
@@ -110,16 +109,23 @@ class Obstacles:
 
 
 class _Primitive:
-    """A primitive in the world: core + half axes + ball + disc, added as sets.
+    """A primitive in the world: the sum of points, a box, a ball and a disc.
 
-    core (3, 3): points; half (3, 3): vectors from the middle to the sides of a box; ball: radius;
-    disc: radius, normal to axis (3,).
+    Attributes:
+        core: Points (3, 3).
+        half: Vectors from the middle to the sides of the box (3, 3).
+        ball: Radius.
+        disc: Two radii (2, 3), normal to each other.
     """
 
     def __init__(self, static):
         turn, position = rot.to_matrix(static.quaternion), np.asarray(static.position, float)
-        shape, self.half, self.axis = static.shape, np.zeros((3, 3)), turn[:, 2]
-        self.ball = self.disc = 0.0
+        shape, self.half, self.ball, self.disc = (
+            static.shape,
+            np.zeros((3, 3)),
+            0.0,
+            np.zeros((2, 3)),
+        )
         length = 0.0
         if isinstance(shape, Box):
             self.half = turn.T * (0.5 * np.asarray(shape.size, float))[:, None]
@@ -128,11 +134,11 @@ class _Primitive:
         elif isinstance(shape, Capsule):
             self.ball, length = shape.radius, shape.length
         elif isinstance(shape, Cylinder):
-            self.disc, length = shape.radius, shape.length
+            self.disc, length = shape.radius * turn.T[:2], shape.length
         else:
             raise TypeError(f"no obstacle of a {type(shape).__name__}")
-        ends = 0.5 * length * self.axis
-        self.core = position + np.array([ends, -ends, -ends])
+        end = 0.5 * length * turn[:, 2]
+        self.core = position + np.array([end, -end, -end])
 
 
 def _facets(static):

@@ -1,4 +1,4 @@
-"""A static as the judge of clearness sees it: coal's geometry, boxes, triangles, planes before it."""
+"""A static as the judge of clearness sees it: coal's geometry, boxes, triangles."""
 
 from __future__ import annotations
 

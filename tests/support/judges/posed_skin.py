@@ -33,7 +33,7 @@ class Skinner:
         self.points_part = np.concatenate([self.part, self.part[self.sampled[:, 0]]])
 
     def joints(self, translation, rotations, axes):
-        """Of every joint the turn (T, 55, 3, 3), and the shift of what it alone moves (T, 55, 3)."""
+        """Turns R (T, 55, 3, 3) and shifts s (T, 55, 3) of the joints: R x + s moves x with one."""
         return self._moved(translation, self._turns(rotations), axes)
 
     def _turns(self, rotations):

@@ -1,7 +1,7 @@
 """Planes between many pairs of convex sets at once: a plane that separates two sets is a proof.
 
-A pair is a cloud of points and a convex obstacle. For a unit normal n, pointing from the obstacle to
-the cloud, the distance of the pair is at least
+A pair is a cloud of points and a convex obstacle. For a unit normal n, pointing from the obstacle
+to the cloud, the distance of the pair is at least
 
     d(n) = min over the cloud of p . n  -  max over the obstacle of q . n.
 
@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 #: Steps of the search, and the accuracy at which it ends [m].
-STEPS, ACCURACY = 30, 1e-8
+STEPS, ACCURACY = 14, 1e-7
 #: Lengths under this have no direction [m].
 TINY = 1e-12
 

@@ -145,28 +145,34 @@ class Watch:
             yield self._distance(at, *pair)
 
     def smallest(self, poses, known=np.inf, statics="all"):
-        """Over poses (T, nq): the smallest distance below `known`, its items, and the number of
-        poses with a negative one.
+        """Over poses (T, nq): the smallest distance below `known` and `NEAR`, its items, and the
+        number of poses with a negative one.
+
+        `known` and no items, if there is none.
 
         Pairs that planes prove to be farther than the smallest known distance are not asked about.
         """
         gap, items, inside = known, ("", ""), set()
+
+        def asked():
+            return max(min(gap, NEAR), 0.0)
+
         for first in range(0, len(poses), CHUNK):
             at = Movers(self, poses[first : first + CHUNK])
-            pairs = self._pairs(at, max(min(gap, NEAR), 0.0), True, statics)
+            pairs = self._pairs(at, asked(), True, statics)
             while pairs.size:
-                asked = max(min(gap, NEAR), 0.0)
-                d = self._proven(at, pairs, asked)
-                left = np.flatnonzero(d < asked)
+                far = asked()
+                d = self._proven(at, pairs, far)
+                left = np.flatnonzero(d < far)
                 pairs = pairs[:, left[np.argsort(d[left], kind="stable")]]
                 done = 0
-                while done < pairs.shape[1] and max(min(gap, NEAR), 0.0) == asked:
+                while done < pairs.shape[1] and asked() == far:
                     t = int(pairs[0, done])
                     d, *names = self._distance(at, *pairs[:, done].tolist())
                     done += 1
                     if d < -ROUNDING:
                         inside.add(first + t)
-                    if d < gap:
+                    if d < min(gap, NEAR):
                         gap, items = d, tuple(names)
                 pairs = pairs[:, done:]
         return gap, items, len(inside)

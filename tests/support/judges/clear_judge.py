@@ -116,6 +116,10 @@ class _Chunk:
     def __init__(self, judge, at, first, verdict):
         self.statics, self.obstacles = judge.statics, judge.obstacles
         self.at, self.first, self.verdict = at, first, verdict
+        # Boxes of the statics (S, 1, 3).
+        self.lows, self.highs = (
+            np.array([getattr(s, k) for s in self.statics])[:, None] for k in ("low", "high")
+        )
         self.known = {}  # (static, piece, pose) -> distance and direction
 
     def judge(self):
@@ -142,9 +146,8 @@ class _Chunk:
         """(static, piece, step) of all near ones, in this order."""
         low = np.minimum(self.at.low[step, piece], self.at.low[step + 1, piece]) - NEAR
         high = np.maximum(self.at.high[step, piece], self.at.high[step + 1, piece]) + NEAR
-        near = [np.flatnonzero(s.near(low, high)) for s in self.statics]
-        which = np.concatenate([*near, np.zeros(0, int)])
-        return np.repeat(np.arange(len(near)), list(map(len, near))), piece[which], step[which]
+        s, which = np.nonzero(((low < self.highs) & (high > self.lows)).all(axis=2))
+        return s, piece[which], step[which]
 
     def _start(self):
         """The distance at the first pose."""

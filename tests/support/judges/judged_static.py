@@ -44,10 +44,10 @@ class JudgedStatic:
             wide = np.full(3, np.inf)
             offset = s.shape.offset + normal @ position
             return cls(s.name, None, None, -wide, wide, plane=(normal, offset))
-        vertices, faces = s.shape.triangles()
-        vertices = np.asarray(vertices) @ turn.T + position
-        low, high = vertices.min(axis=0), vertices.max(axis=0)
         if isinstance(s.shape, Mesh):
+            vertices, faces = s.shape.triangles()
+            vertices = np.asarray(vertices) @ turn.T + position
+            low, high = vertices.min(axis=0), vertices.max(axis=0)
             faces = np.asarray(faces, dtype=np.int64)
             model = coal.BVHModelOBBRSS()
             model.beginModel(len(faces), len(vertices))

@@ -11,7 +11,6 @@ from functools import cached_property, lru_cache
 
 import coal
 import numpy as np
-from scipy.sparse import csr_array
 
 from halfphysics.base import rotations as rot
 from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS, PARENTS
@@ -106,21 +105,9 @@ class _PartState:
 
 @lru_cache(maxsize=BODIES)
 def _skinning(body):
-    """Of a body its `Skinner`, and how its hulls' corners follow from the joints.
-
-    Without pose blend shapes a corner is the sum of w (R x + s) over its joints: linear in the
-    turns R and shifts s (a matrix (n, 55 * 4)). With them: None.
-    """
-    skinner, corners = Skinner(body, samples=0), body.skin_corners.vertex
-    if body.posedirs is not None:
-        return skinner, None
-    rest = np.append(np.asarray(body.rest_vertices)[corners], np.ones((len(corners), 1)), axis=1)
-    weights = np.asarray(body.weights)[corners]
-    corner, joint = np.nonzero(weights)
-    values = weights[corner, joint][:, None] * rest[corner]
-    columns = 4 * joint[:, None] + np.arange(4)
-    entries = values.ravel(), (np.repeat(corner, 4), columns.ravel())
-    return skinner, csr_array(entries, shape=(len(corners), 4 * N_JOINTS))
+    """Of a body its `Skinner`, and what that makes of its hulls' corners (`Skinner.linear`)."""
+    skinner = Skinner(body, samples=0)
+    return skinner, skinner.linear(body.skin_corners.vertex)
 
 
 class Skin:
@@ -142,12 +129,7 @@ class Skin:
         if self._blend is None:
             skin = self.skinner.vertices(translation, rotations, WORLD)
             return np.ascontiguousarray(np.swapaxes(skin[:, self.vertex], 0, 1))
-        turn, shift = self.skinner.joints(translation, rotations, WORLD)
-        frames = np.concatenate([turn, shift[..., None]], axis=3)  # (T, 55, 3, 4)
-        frames = np.ascontiguousarray(frames.transpose(1, 3, 0, 2)).reshape(
-            self._blend.shape[1], -1
-        )
-        return (self._blend @ frames).reshape(len(self.vertex), len(translation), 3)
+        return self.skinner.points_of(self._blend, translation, rotations, WORLD)
 
     @cached_property
     def arms(self):

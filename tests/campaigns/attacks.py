@@ -2,12 +2,14 @@
 
     PYTHONPATH=tests python -m campaigns.attacks [--families soup,ring] [--seeds 3] [--frames 20]
         [--jobs 2] [--log rows.jsonl] [--no-judge]
-    PYTHONPATH=tests python -m campaigns.attacks --fuzz 1000000 [--seeds 3] --log fuzz.jsonl
+    PYTHONPATH=tests python -m campaigns.attacks --fuzz 1000000 [--seeds 3] [--shard 0/2]
+        --log fuzz.jsonl
 
 One row of numbers a case: depth by `coal`, breaches that nothing reported, CPU time of the slowest
 frames, lost time, memory of stepping. Prints the table and the ten slowest frames. `--fuzz` runs
 random settings and mixtures of families for so many frames of every seed; it goes on with the
-cases that its log does not have yet.
+cases that its log does not have yet. `--shard k/n`, with a log for each: every n-th case from k on,
+and of the fuzz the n-th part of the frames.
 """
 
 from __future__ import annotations
@@ -32,6 +34,7 @@ from support.attacks.families import FAMILIES
 from support.attacks.stage import Attack, body
 from support.judges.clear_judge import Judge
 from support.judges.coal_scene import Watch
+from support.judges.person_hulls import pieces_of
 
 #: Accuracy of coal's own distances [m].
 ROUNDING = 1e-6
@@ -133,15 +136,14 @@ class _Memory:
 def judged(simulator, start, frames) -> dict[str, object]:
     """Gaps of people to statics, and of all else that moves, and crossings, at every substep."""
     people = Judge(simulator).judge(start, frames)
-    watch, gap, pair, inside = Watch(simulator), people.gap, people.where[:2], len(people.inside)
+    gap, pair, inside = people.gap, people.where[:2], len(people.inside)
     first = people.start
     if simulator.world.objects or len(simulator.bodies) > 1:
+        watch = Watch(simulator)
         first = min(first, watch.gap(start, statics="things")[0])
-        for qpos in itertools.chain.from_iterable(f.substeps for f in frames):
-            d, names = watch.gap(qpos, statics="things")
-            inside += d < -ROUNDING
-            if d < gap:
-                gap, pair = d, names
+        poses = np.concatenate([f.substeps for f in frames])
+        gap, others, more = watch.smallest(poses, gap, statics="things")
+        pair, inside = others if any(others) else pair, inside + more
     return {
         "start_mm": _mm(first),
         "gap_mm": _mm(gap),
@@ -245,15 +247,19 @@ def campaign(cases, options) -> list[dict]:
     Fuzzing ends when the rows have so many frames for every seed.
     """
     log = options.log
+    k, n = map(int, options.shard.split("/"))
+    most = options.fuzz * options.seeds / n
+    cases = itertools.islice(cases, k, None, n)
     rows = [json.loads(line) for line in log.read_text().splitlines()] if log.exists() else []
     known, frames = {r["id"] for r in rows}, sum(r["frames"] for r in rows)
     tasks = ((c, options.frames, not options.no_judge) for c in cases if c.id not in known)
+    pieces_of(Simulator(body=body()), "skin")  # once, not in every process
     # A process of its own for every case: its memory is what the case took.
     context = multiprocessing.get_context("fork")
     with context.Pool(options.jobs, maxtasksperchild=1) as pool, log.open("a") as out:
         while True:
             batch = list(itertools.islice(tasks, 4 * options.jobs))
-            if not batch or (options.fuzz and frames >= options.fuzz * options.seeds):
+            if not batch or (options.fuzz and frames >= most):
                 return rows
             for row in pool.imap(_work, batch):
                 rows.append(row)
@@ -272,6 +278,7 @@ def options_of(arguments: list[str] | None = None) -> argparse.Namespace:
     p.add_argument("--jobs", type=int, default=1)
     p.add_argument("--log", type=Path, default=Path(os.devnull), help="rows; known ones are kept")
     p.add_argument("--no-judge", action="store_true", help="time, memory and contacts alone")
+    p.add_argument("--shard", default="0/1", help="k/n: every n-th case from k on")
     p.add_argument("--fuzz", type=int, default=0, help="frames of every seed")
     return p.parse_args(arguments)
 

@@ -174,7 +174,7 @@ def passed(watch, before, after) -> Iterator[tuple[str, str]]:
         line = coal.Capsule(1e-5, float(length))
         here = coal.Transform3s(turn, 0.5 * (a + b))
         for static in watch.statics:
-            if coal.collide(line, here, *static.solid(), asked, coal.CollisionResult()):
+            if coal.collide(line, here, *static.solid, asked, coal.CollisionResult()):
                 yield place.name, static.owner
 
 

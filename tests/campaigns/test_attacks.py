@@ -2,10 +2,23 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
-from campaigns.attacks import Case, complaints, fuzz_cases, run, set_up, simulate, table
+from campaigns import attacks
+from campaigns.attacks import (
+    Case,
+    campaign,
+    complaints,
+    fuzz_cases,
+    options_of,
+    run,
+    set_up,
+    simulate,
+    table,
+)
 from support.attacks.families import FAMILIES
 
 pytest.importorskip("trimesh")
@@ -57,6 +70,29 @@ def test_fuzzing_mixes_two_families_and_draws_settings():
     assert {"substeps", "stiffness", "drive_time"} <= set(attack.settings)
     _, _, frames, seconds, _ = simulate(attack, 2)
     assert len(frames) == len(seconds) == 2
+
+
+def _ten_frames(task):
+    """The row of a case that was not run."""
+    row = {"id": task[0].id, "people": 1, "frames": 10, "slowest": [[0.0, 1]], "seconds": 1.0}
+    row |= {"contacts": 0, "planes": 0, "lost": 0.0, "memory_mb": None, "breaches": 0}
+    return row | {"finite": True}
+
+
+def test_shards_share_the_cases_and_the_frames(tmp_path, monkeypatch):
+    monkeypatch.setattr(attacks, "_work", _ten_frames)
+    ids = []
+    for k in range(2):
+        log = tmp_path / f"{k}.jsonl"
+        options = options_of(
+            ["--fuzz", "100", "--seeds", "2", "--shard", f"{k}/2", "--log", str(log)]
+        )
+        rows = campaign(fuzz_cases(2, 100), options)
+        assert 100 <= sum(row["frames"] for row in rows) < 150
+        assert campaign(fuzz_cases(2, 100), options) == rows  # all are in the log
+        ids.append([row["id"] for row in rows])
+    some = [case.id for case in itertools.islice(fuzz_cases(2, 100), sum(map(len, ids)))]
+    assert ids == [some[::2], some[1::2]]
 
 
 def test_a_row_complains_of_time_memory_and_depth():

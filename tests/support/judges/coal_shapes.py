@@ -14,13 +14,6 @@ def _corners(points):
     return out
 
 
-def _triangles(faces):
-    out = coal.StdVec_Triangle()
-    for f in faces:
-        out.append(coal.Triangle(*(int(i) for i in f)))
-    return out
-
-
 def coal_hull(points):
     """The convex hull of points (n, 3)."""
     return coal.Convex.convexHull(_corners(points), True, "Qt")
@@ -54,8 +47,10 @@ def coal_shape(shape, solid):
     if solid:
         return coal_hull(np.asarray(shape.vertices))
     model = coal.BVHModelOBBRSS()
-    faces = _with_area(np.asarray(shape.vertices), np.asarray(shape.faces))
-    model.beginModel(len(faces), len(shape.vertices))
-    model.addSubModel(_corners(shape.vertices), _triangles(faces))
+    vertices = np.asarray(shape.vertices, dtype=float)
+    faces = _with_area(vertices, np.asarray(shape.faces))
+    model.beginModel(len(faces), len(vertices))
+    model.addVertices(vertices)
+    model.addTriangles(np.asarray(faces, dtype=np.int64))
     model.endModel()
     return model

@@ -7,7 +7,7 @@ The core supplies only the coordinates and, for the parts, the frames of bodies.
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import coal
 import numpy as np
@@ -20,6 +20,10 @@ from support.judges.skin_judge import Skinner
 CONTACTS = ("skin", "parts")
 #: The skin is in the world's axes here: the root's rotation contains them.
 WORLD = np.eye(3)
+#: Bodies whose hulls are kept.
+BODIES = 8
+#: Points of clouds made together: bounds the memory.
+MOST = 100_000
 
 
 def pieces_of(simulator, contact=None):
@@ -33,6 +37,11 @@ def pieces_of(simulator, contact=None):
     kinds = CONTACTS if contact == "both" else (contact,)
     made = {"skin": Skin, "parts": Parts}
     return [made[k](simulator.world, p) for p in simulator.world.people for k in kinds]
+
+
+@lru_cache(maxsize=BODIES)
+def _solids(body):
+    return [coal_hull(p.vertices) for p in body.variant.parts if len(p.vertices) >= 4]
 
 
 class Parts:
@@ -52,7 +61,7 @@ class Parts:
         self._bodies = [world.model.body(name).id for name in self.names]
         self._points = [np.asarray(p.vertices, float) for p in parts]
         self._size = np.array([np.linalg.norm(p, axis=1).max() for p in self._points])
-        self._solids = [coal_hull(p) for p in self._points]
+        self._solids = _solids(person.body)
         self.first = np.cumsum([0, *(len(p) for p in self._points)])
 
     def at(self, poses):
@@ -74,7 +83,7 @@ class _PartState:
             np.einsum("nij,nj->ni", turn[owner], local) + x[owner]
             for x, turn in zip(self.x, self.turn, strict=True)
         ]
-        return np.array(moved)
+        return np.stack(moved, axis=1)
 
     def solid(self, i, t, corners):
         return self.pieces._solids[i], coal.Transform3s(self.turn[t, i], self.x[t, i])
@@ -94,6 +103,13 @@ class _PartState:
         return rot.matrix_to_rotvec(self.turn[t, i].T @ self.turn[t + 1, i])
 
 
+@lru_cache(maxsize=BODIES)
+def _skinning(body):
+    """Of a body its `Skinner`, and what that makes of its hulls' corners (`Skinner.linear`)."""
+    skinner = Skinner(body, samples=0)
+    return skinner, skinner.linear(body.skin_corners.vertex)
+
+
 class Skin:
     """The hulls of one person's skin; attributes as of `Parts`, names "person/left_foot/3"."""
 
@@ -102,15 +118,18 @@ class Skin:
         self.name, self.person = person.name, person
         self.names = [f"{person.name}/{JOINT_NAMES[k]}/{h}" for h, k in enumerate(hulls.part)]
         self.first, self.vertex = hulls.first, hulls.vertex
-        self.skinner = Skinner(person.body, samples=0)
+        self.skinner, self._blend = _skinning(person.body)
 
     def at(self, poses):
         """The pieces at poses (T, nq)."""
         return Posed(self, poses, _SkinState(self, poses))
 
     def skinned(self, translation, rotations):
-        """Corners (T, n, 3) of all hulls."""
-        return self.skinner.vertices(translation, rotations, WORLD)[:, self.vertex]
+        """Corners (n, T, 3) of all hulls."""
+        if self._blend is None:
+            skin = self.skinner.vertices(translation, rotations, WORLD)
+            return np.ascontiguousarray(np.swapaxes(skin[:, self.vertex], 0, 1))
+        return self.skinner.points_of(self._blend, translation, rotations, WORLD)
 
     @cached_property
     def arms(self):
@@ -160,7 +179,7 @@ class _SkinState:
         if (t, share) not in self._ways:
             q = rot.multiply(rot.exp(self.rotations[t]), rot.exp(share * self._turned(t)))
             x = self.translation[t] + share * (self.translation[t + 1] - self.translation[t])
-            self._ways[t, share] = self.pieces.skinned(x[None], rot.log(q)[None])[0]
+            self._ways[t, share] = self.pieces.skinned(x[None], rot.log(q)[None])[:, 0]
         return self._ways[t, share][self.pieces.first[i] : self.pieces.first[i + 1]]
 
     def _turned(self, t):
@@ -172,20 +191,46 @@ class Posed:
     """Pieces at poses 0 to T - 1, and on their ways from each to the next.
 
     Attributes:
-        corners: Corners of all pieces (T, n, 3) [m].
+        corners: Corners of all pieces (n, T, 3) [m].
         low, high: Corners of boxes around the pieces (T, P, 3).
     """
 
     def __init__(self, pieces, poses, state):
         self.pieces, self._state = pieces, state
         self.corners = state.corners()
-        first = pieces.first[:-1]
-        self.low = np.minimum.reduceat(self.corners, first, axis=1)
-        self.high = np.maximum.reduceat(self.corners, first, axis=1)
+        each = np.split(self.corners, pieces.first[1:-1])
+        self.low = np.stack([c.min(axis=0) for c in each], axis=1)
+        self.high = np.stack([c.max(axis=0) for c in each], axis=1)
+
+    def boxes(self, piece, begin, end):
+        """Corners of boxes (K, 3) around pieces (K,) at all poses from `begin` to `end` (K,)."""
+        pose = begin[:, None] + np.arange(1 + (end - begin).max(initial=0))
+        pose = np.minimum(pose, end[:, None])
+        return self.low[pose, piece[:, None]].min(axis=1), self.high[pose, piece[:, None]].max(
+            axis=1
+        )
+
+    def clouds(self, piece, begin, end):
+        """Corners of pieces (K,) at all poses from `begin` to `end` (K,).
+
+        Yields indices (k,) into the K, of pieces of like sizes, and their points (k, m, 3): some
+        repeat, so that all are as many.
+        """
+        first, size = self.pieces.first[:-1], np.diff(self.pieces.first)
+        pose = np.arange(1 + (end - begin).max(initial=0))
+        kinds = np.ceil(np.log2(size[piece])).astype(int)
+        for kind in np.unique(kinds):
+            same = np.flatnonzero(kinds == kind)
+            corner = np.arange(size[piece[same]].max())
+            for some in np.array_split(same, 1 + len(same) * len(corner) * len(pose) // MOST):
+                i = piece[some][:, None]
+                rows = first[i] + np.minimum(corner, size[i] - 1)
+                at = np.minimum(begin[some][:, None] + pose, end[some][:, None])
+                yield some, self.corners[rows[:, None], at[:, :, None]].reshape(len(some), -1, 3)
 
     def points(self, i, t):
         """Corners (n, 3) of piece i at pose t."""
-        return self.corners[t, self.pieces.first[i] : self.pieces.first[i + 1]]
+        return self.corners[self.pieces.first[i] : self.pieces.first[i + 1], t]
 
     def solid(self, i, t):
         """coal's geometry and place of it."""

@@ -1,0 +1,131 @@
+"""A static as the judge of clearness sees it: coal's geometry, boxes, triangles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import coal
+import numpy as np
+
+from halfphysics.base import rotations as rot
+from halfphysics.geometry.shapes import Mesh, Plane
+from support.judges.coal_shapes import coal_shape
+
+REQUEST = coal.DistanceRequest()
+
+
+@dataclass
+class JudgedStatic:
+    """A static in the world.
+
+    Attributes:
+        shape, place: coal's geometry and its pose; None for a plane.
+        low, high: Corners of a box around it (3,) [m].
+        plane: Normal (3,) and offset [m] of a plane.
+        triangles: Those of a mesh (F, 3, 3), with boxes `lows`, `highs` (F, 3).
+    """
+
+    name: str
+    shape: object
+    place: object
+    low: np.ndarray
+    high: np.ndarray
+    plane: tuple[np.ndarray, float] | None = None
+    triangles: np.ndarray | None = None
+    lows: np.ndarray | None = None
+    highs: np.ndarray | None = None
+
+    @classmethod
+    def of(cls, s):
+        """Of a `halfphysics.scene.scene.Static`."""
+        turn, position = rot.to_matrix(s.quaternion), np.asarray(s.position, float)
+        if isinstance(s.shape, Plane):
+            normal = turn @ np.asarray(s.shape.normal, float)
+            wide = np.full(3, np.inf)
+            offset = s.shape.offset + normal @ position
+            return cls(s.name, None, None, -wide, wide, plane=(normal, offset))
+        if isinstance(s.shape, Mesh):
+            vertices, faces = s.shape.triangles()
+            vertices = np.asarray(vertices) @ turn.T + position
+            low, high = vertices.min(axis=0), vertices.max(axis=0)
+            faces = np.asarray(faces, dtype=np.int64)
+            model = coal.BVHModelOBBRSS()
+            model.beginModel(len(faces), len(vertices))
+            model.addVertices(vertices)
+            model.addTriangles(faces)
+            model.endModel()
+            t = vertices[faces]
+            boxes = t.min(axis=1), t.max(axis=1)
+            return cls(s.name, model, coal.Transform3s(), low, high, None, t, *boxes)
+        shape = coal_shape(s.shape, solid=False)
+        # Facets lie within the round shape: the true extent by its own box.
+        shape.computeLocalAABB()
+        box = shape.aabb_local
+        half = np.abs(turn) @ np.maximum(np.abs(box.min_), np.abs(box.max_))
+        place = coal.Transform3s(turn, position)
+        return cls(s.name, shape, place, position - half, position + half)
+
+    def near(self, low, high):
+        """Which boxes (..., 3) meet its box."""
+        if self.plane is not None:
+            n, offset = self.plane
+            return np.where(n > 0.0, low, high) @ n < offset
+        return ((low < self.high) & (high > self.low)).all(axis=-1)
+
+    def within(self, low, high):
+        """The same solid, with only the triangles that meet a box."""
+        if self.triangles is None:
+            return self
+        kept = ((self.lows <= high) & (self.highs >= low)).all(axis=1)
+        return replace(
+            self, triangles=self.triangles[kept], lows=self.lows[kept], highs=self.highs[kept]
+        )
+
+    def distance(self, points, solid):
+        """Distance [m] of a piece and a direction from the static to it (any, if they meet).
+
+        points: The piece's corners (n, 3); solid: coal's geometry and place of it.
+        """
+        if self.plane is not None:
+            return (points @ self.plane[0]).min() - self.plane[1], self.plane[0]
+        result = coal.DistanceResult()
+        d = coal.distance(*solid, self.shape, self.place, REQUEST, result)
+        return d, np.array(result.getNearestPoint1()) - np.array(result.getNearestPoint2())
+
+    def behind(self, points, normals, far=0.0):
+        """Whether planes of these normals prove that it is not within `far` of points (n, 3).
+
+        Of a mesh every triangle has to be behind one of the planes, or away from the points' box.
+        """
+        if self.plane is not None:
+            return (points @ self.plane[0]).min() - self.plane[1] > far
+        left = None
+        if self.triangles is not None:
+            low, high = points.min(axis=0) - far, points.max(axis=0) + far
+            left = self.triangles[((self.lows <= high) & (self.highs >= low)).all(axis=1)]
+            if not len(left):
+                return True
+        for n in normals:
+            bottom = (points @ n).min() - far
+            if left is None:
+                if self._highest(n) < bottom:
+                    return True
+                continue
+            left = left[(left @ n).max(axis=1) >= bottom]
+            if not len(left):
+                return True
+        return False
+
+    def _highest(self, n):
+        """A convex primitive's largest extent along n (an upper bound by its hull)."""
+        turn, x = self.place.getRotation(), self.place.getTranslation()
+        local, shape = turn.T @ n, self.shape
+        if isinstance(shape, coal.Box):
+            reach = np.abs(local) @ shape.halfSide
+        elif isinstance(shape, coal.Sphere):
+            reach = shape.radius
+        elif isinstance(shape, coal.Capsule):
+            reach = shape.radius + shape.halfLength * abs(local[2])
+        else:
+            reach = shape.radius * np.hypot(local[0], local[1]) + shape.halfLength * abs(local[2])
+        return reach + n @ x

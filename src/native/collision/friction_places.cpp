@@ -83,8 +83,8 @@ void FrictionPlaces::find_centre_of_loads(const std::vector<Contact>& contacts) 
   centre_ = {};
   for (double& w : load_) sum += w = std::max(0.0, w);
   for (size_t k = 0; k < patch_.size(); k++)
-    centre_ += (sum > 0 ? load_[k] / sum : 1.0 / (double)patch_.size()) *
-               contacts[patch_[k]].position;
+    centre_ +=
+        (sum > 0 ? load_[k] / sum : 1.0 / (double)patch_.size()) * contacts[patch_[k]].position;
 }
 
 double FrictionPlaces::find_spread(const CollisionWorld& world, Poses& start,

@@ -83,6 +83,13 @@ class PersonContacts:
         force: Array = np.einsum("ni,nij->nj", self.force[:, :3], axes)
         return force
 
+    @property
+    def world_torque(self) -> Array:
+        """Torque on geom2 about `pos` in the world (n, 3) [N m]; on geom1 acts the opposite."""
+        axes = self.frame.reshape(-1, 3, 3)
+        torque: Array = np.einsum("ni,nij->nj", self.force[:, 3:], axes)
+        return torque
+
 
 def person_contacts(host: HostModel, rows: Array, timestep: float) -> PersonContacts:
     """The core's rows (n, 16) of a timestep of that length [s], as MuJoCo has contacts."""

@@ -90,11 +90,16 @@ void FrictionPlaces::find_centre_of_loads(const std::vector<Contact>& contacts) 
 double FrictionPlaces::find_spread(const CollisionWorld& world, Poses& start,
                                    const std::vector<ContactCandidate>& candidates,
                                    const std::vector<Contact>& contacts) {
-  const auto known = [&](size_t k) { return contacts[k].spread > 0; };
-  if (std::all_of(patch_.begin(), patch_.end(), known)) return contacts[patch_[0]].spread;
-  PatchSpread out(contacts[patch_[0]].n);
   const ContactCandidate& first = candidates[pairs_[0]];
-  if (world.shapes[first.shape].person >= 0 || world.handles(first) || patch_.size() == 2) {
+  const bool person = world.shapes[first.shape].person >= 0 || world.handles(first);
+  size_t known = 0;
+  double spread = 0;
+  for (const size_t k : patch_)
+    if (contacts[k].spread > 0) spread = contacts[k].spread, known++;
+  // Three corners of a face that carried something are a face.
+  if (known == patch_.size() || (!person && known >= 3)) return spread;
+  PatchSpread out(contacts[patch_[0]].n);
+  if (person || patch_.size() == 2) {
     std::vector<Vec3> points;
     for (const size_t k : patch_) points.push_back(contacts[k].position);
     out.add_points(points);

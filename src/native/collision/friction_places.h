@@ -15,7 +15,8 @@
 // momentum and angular momentum are kept exactly.
 //
 // The spread is that of the true face where two rigid shapes meet, of the polygon of the points where a
-// person does. It is found when a patch gets a point that it had not in the substep before.
+// person does. It is found when a patch gets a point that it had not in the substep before; of a rigid face, until
+// three of its points have carried something.
 #pragma once
 #include <vector>
 

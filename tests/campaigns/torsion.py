@@ -2,8 +2,9 @@
 
     PYTHONPATH=src:tests python -m campaigns.torsion
 
-Prints the deceleration of a spin over that of the closed form, mu g (mean distance) / k^2: shapes
-of 1 cm to 2 m on planes, boxes, meshes, other objects and turned floors, at several rates; and rings.
+Prints the deceleration of a spin over that of the closed form, mu g (mean distance) / k^2:
+shapes of 1 cm to 2 m on planes, boxes, meshes, other objects and turned floors, at several rates;
+and rings.
 """
 
 from __future__ import annotations

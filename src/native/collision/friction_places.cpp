@@ -40,7 +40,14 @@ bool FrictionPlaces::find_patch(const CollisionWorld& world, std::vector<Contact
       pairs_.push_back(c.pair);
       keys_.push_back(c.key);
     }
-  return patch_.size() > 1 && contacts[first].friction > 0;
+  // A ball touches in one point; others are where it touched in the passes before.
+  const auto ball = [&](int shape) {
+    return shape >= 0 && world.shapes[shape].hull.vertices.size() == 1 &&
+           world.shapes[shape].hull.rim == 0;
+  };
+  const PairId pair = pair_of_key(contacts[first].key);
+  return patch_.size() > 1 && contacts[first].friction > 0 && !ball(pair.shape) &&
+         !ball(pair.other_shape);
 }
 
 // By the impulses of the last solve; false if there are none.

@@ -75,8 +75,12 @@ constexpr double kLikeTouching = 0.9, kLikeNear = 0.9999;
 
 // contact_manifold.cpp
 
+// near_face.cpp, patch_spread.cpp
+
 // Corners of a face nearer than this are one [m]; twice the area of three corners on a line [m^2].
 constexpr double kSameCorner = 1e-9, kStraight = 1e-12;
+// A face that was cut lost nothing if its area is the same up to this share [-]: rounding.
+constexpr double kSameArea = 1e-9;
 
 // bvh.cpp, bvh_build.cpp
 
@@ -253,6 +257,11 @@ constexpr double kSamePassNormal = 0.9999, kCachedNormal = 0.99;
 constexpr double kSameRim = 0.5, kSettledRim = 1e-4;
 // A disc lies on its edge where the cosine between its axis and a tangent of the plane exceeds this.
 constexpr double kOnEdge = 0.5;
+// Points of a pair are one patch where the cosine of their normals exceeds this (friction_places.h): 8 degrees,
+// what a face turns at most between two substeps.
+constexpr double kOnePatch = 0.99;
+// Points of two pairs are one point up to this distance [m]: a vertex that pieces share, and rounding.
+constexpr double kOnePlace = 1e-6;
 
 // Clearances
 

@@ -241,7 +241,7 @@ def test_firmness_and_strength_by_joint_are_equal(body, drive, strength):
     the drive's torques, computed twice in every substep."""
     dt = 1.0 / 240.0
     # From some other starts an arm without strength is thrown, and substeps are made in pieces.
-    motion = along_x(1.5, 10, start=0.2001).resample(240.0)
+    motion = along_x(1.5, 10, start=0.2005).resample(240.0)
     scene = Scene()
     scene.add_static("wall", Box((0.1, 6.0, 6.0)), position=(0.6, 0.0, 0.0), friction=0.3)
     settings = as_it_is(

@@ -334,21 +334,25 @@ def contact_jacobian(model: Any, qpos: Array, contacts: Mapping[str, Array]) -> 
     """J (3n, nv) of contact points: relative velocity v_a - v_b in the frame (n, t, s).
 
     Each side is a weighted sum of points on bodies: one body for a rigid part, the skinning joints
-    for a vertex of the skin (without the term of pose blend shapes).
+    for a vertex of the skin (without the term of pose blend shapes). Friction (t, s) acts at the
+    points plus `inward` (n, 3) [m], across n.
     """
     rows = []
     axes = dof_axes(model, qpos, body_frames(model, qpos))
     for i in range(len(contacts["dist"])):
         frame = np.stack([contacts[name][i] for name in ("normal", "tangent", "binormal")])
-        moves = np.zeros((3, model.nv))
+        moves, slips = np.zeros((3, model.nv)), np.zeros((3, model.nv))
         if "turns" in contacts:  # a row of a joint's range: `reference.ranges.joined`
             moves[0] = contacts["turns"][i]
         for side, sign in (("a", 1.0), ("b", -1.0)):
             columns = (contacts[f"{name}_{side}"][i] for name in ("bodies", "weights", "points"))
             for b, weight, x in zip(*columns, strict=True):
                 if weight > 0.0:
-                    moves += sign * weight * jacobian(model, qpos, int(b), x, axes)[0]
-        rows.append(frame @ moves)
+                    linear, angular = jacobian(model, qpos, int(b), x, axes)
+                    moves += sign * weight * linear
+                    turn = np.cross(angular, contacts["inward"][i], axis=0)
+                    slips += sign * weight * (linear + turn)
+        rows += [frame[:1] @ moves, frame[1:] @ slips]
     return np.concatenate(rows) if rows else np.zeros((0, model.nv))
 
 

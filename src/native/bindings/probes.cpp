@@ -32,13 +32,14 @@ Inertia inertia_at(Stepper& s, const Doubles& qpos) {
 }
 
 nb::dict contact_rows(const std::vector<Contact>& contacts) {
-  std::vector<double> n, t, u, imp, curve, dist, target, shift, mu, bounce;
+  std::vector<double> n, t, u, imp, curve, inward, dist, target, shift, mu, bounce;
   for (const Contact& c : contacts) {
     push(n, c.n);
     push(t, c.t);
     push(u, c.s);
     push(imp, c.impulse);
     push(curve, c.curve);
+    push(inward, c.inward);
     dist.push_back(c.dist);
     target.push_back(c.target);
     shift.push_back(c.shift);
@@ -52,6 +53,7 @@ nb::dict contact_rows(const std::vector<Contact>& contacts) {
   d["binormal"] = array({k, 3}, u);
   d["impulse"] = array({k, 3}, imp);
   d["curve"] = array({k, 3}, curve);
+  d["inward"] = array({k, 3}, inward);
   d["dist"] = array(dist);
   d["target"] = array(target);
   d["shift"] = array(shift);

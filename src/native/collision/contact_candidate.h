@@ -84,6 +84,7 @@ struct CachedContact {
   int feature;
   Material point, other;  // on the shape; on the other shape: the point opposite
   Vec3 normal, impulse;   // in the world
+  double spread;          // of its patch (friction_places.h); 0: not known
   bool used;
   int candidate = -1;  // of this attempt, for which it is recalled; -1: none
 };

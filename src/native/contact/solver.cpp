@@ -23,16 +23,32 @@ Vec3 endpoint_velocity(const Model& m, const Kinematics& k, const std::vector<Tw
   return v;
 }
 
+Vec3 endpoint_turn(const std::vector<Twist>& twists, const Endpoint& e) {
+  Vec3 w;
+  for (int i = 0; i < e.count; i++) w += e.weight[i] * twists[e.body[i]].w;
+  return w;
+}
+
+ContactVelocity contact_velocity(const Model& m, const Kinematics& k,
+                                 const std::vector<Twist>& twists, const double* qvel,
+                                 const Contact& c) {
+  const Vec3 u =
+      endpoint_velocity(m, k, twists, qvel, c.a) - endpoint_velocity(m, k, twists, qvel, c.b);
+  if (norm2(c.inward) == 0) return {u, u};
+  return {u, u + cross(endpoint_turn(twists, c.a) - endpoint_turn(twists, c.b), c.inward)};
+}
+
 // What acts on the bodies that carry an endpoint where a contact's three impulses are one.
-void ContactSolver::push(const System& s, const Endpoint& e, double sign, const Vec3 axis[3]) {
+void ContactSolver::push(const System& s, const Endpoint& e, double sign, const Contact& c) {
+  const Vec3 axis[3] = {c.n, c.t, c.s};
   for (int l = 0; l < e.count; l++) {
     const int b = e.body[l];
     if (s.m.pushed_dof(b) < 0) continue;
-    const Vec3 r = e.point[l] - s.k.reference(s.m, b);
+    const Vec3 r = e.point[l] - s.k.reference(s.m, b), slips = r + c.inward;
     Vec3 moment[3], force[3];
     for (int q = 0; q < 3; q++) {
       force[q] = sign * e.weight[l] * axis[q];
-      moment[q] = cross(r, force[q]);
+      moment[q] = cross(q == 0 ? r : slips, force[q]);
     }
     half_.add_wrench(b, moment, force);
   }
@@ -50,9 +66,8 @@ void ContactSolver::join(const System& s, const Contact& c, int contact) {
   Row row;
   row.contact = contact;
   row.first = (int)dof_.size();
-  const Vec3 axis[3] = {c.n, c.t, c.s};
-  push(s, c.a, 1, axis);
-  push(s, c.b, -1, axis);
+  push(s, c.a, 1, c);
+  push(s, c.b, -1, c);
   half_.sweep(s.m, s.inertia, dof_, y_);
   row.count = (int)dof_.size() - row.first;
   problem_.A.reserve((int)rows_.size() + 1, (int)rows_.size());
@@ -255,13 +270,12 @@ void ContactSolver::find_demands(const System& s, double h, const double* v_free
   worst_of_pair_.resize(2 * (size_t)std::max(pairs, (int)worst_of_pair_.size() / 2), -1);
   for (size_t i = 0; i < contacts.size(); i++) {
     const Contact& c = contacts[i];
-    Vec3 u = endpoint_velocity(s.m, s.k, twists_, v_free, c.a) -
-             endpoint_velocity(s.m, s.k, twists_, v_free, c.b);
+    const ContactVelocity u = contact_velocity(s.m, s.k, twists_, v_free, c);
     demand_[3 * i] =
-        dot(c.n, u) -
+        dot(c.n, u.point) -
         (c.compliance > 0 ? c.yielding : std::max((c.target - c.dist + c.shift) / h, c.bounce));
-    demand_[3 * i + 1] = dot(c.t, u + h * c.curve);
-    demand_[3 * i + 2] = dot(c.s, u + h * c.curve);
+    demand_[3 * i + 1] = dot(c.t, u.slip + h * c.curve);
+    demand_[3 * i + 2] = dot(c.s, u.slip + h * c.curve);
   }
 }
 

@@ -68,6 +68,8 @@ struct Material {
 // `twists` are those that the velocities `qvel` make.
 Vec3 endpoint_velocity(const Model& m, const Kinematics& k, const std::vector<Twist>& twists,
                        const double* qvel, const Endpoint& e);
+// The angular velocity with which what lies near the point moves past it.
+Vec3 endpoint_turn(const std::vector<Twist>& twists, const Endpoint& e);
 
 // One contact point between a and b: the rows n, t, s of the relative velocity v_a - v_b.
 struct Contact {
@@ -86,6 +88,11 @@ struct Contact {
   // Half of the point's relative acceleration along its path [m/s^2]. Its tangential part counts:
   // displacement_t = h v_t + h^2 curve_t; the gap itself is measured at the end pose.
   Vec3 curve;
+  // Friction acts at the point plus this, across n [m]; the normal impulse at the point
+  // (collision/friction_places.h). `spread` of its patch; 0: not known. `placed`: it has been found.
+  Vec3 inward;
+  double spread = 0;
+  bool placed = false;
   double friction = 0, restitution = 0;
   double bounce = -1e300;  // v_n demanded by restitution [m/s], second pass
   double rebound = 0;      // what of it is thrown back, not kept [m/s]
@@ -98,6 +105,14 @@ struct Contact {
   int64_t key = 0;        // identity from substep to substep
   int feature = 0;
 };
+
+// v_a - v_b at the point, and where friction acts.
+struct ContactVelocity {
+  Vec3 point, slip;
+};
+ContactVelocity contact_velocity(const Model& m, const Kinematics& k,
+                                 const std::vector<Twist>& twists, const double* qvel,
+                                 const Contact& c);
 
 class ContactSolver {
  public:
@@ -154,7 +169,7 @@ class ContactSolver {
                   const Violation& violation);
   bool has_room() const { return (int)rows_.size() < tuning::contact::kMostJoined; }
   void join(const System& s, const Contact& c, int contact);
-  void push(const System& s, const Endpoint& e, double sign, const Vec3 axis[3]);
+  void push(const System& s, const Endpoint& e, double sign, const Contact& c);
   void fill_blocks(int n);
 
   // of the whole solve

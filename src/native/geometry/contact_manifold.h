@@ -1,10 +1,8 @@
 // The area in which two near faces of convex shapes overlap, as a few points: where a box that
 // rests on another one is carried.
 //
-// The vertices of each shape within `tol` of its nearest one along n make a face, projected on the
-// plane across n; one face is clipped by the edges of the other (Sutherland and Hodgman 1974), and
-// the extreme points of the rest along evenly turned directions are taken. A disc that lies flat
-// counts as eight points of its rim.
+// The near faces of the two (near_face.h), projected on the plane across n; one is clipped by the edges
+// of the other, and the extreme points of the rest along evenly turned directions are taken.
 #pragma once
 #include "geometry/convex.h"
 

@@ -25,6 +25,7 @@ bool ContactCache::warm_start(const System& system, State& state,
   }
   if (!found) return false;
   c.impulse = found->impulse;
+  if (c.spread == 0) c.spread = found->spread;
   found->used = true;
   return true;
 }
@@ -58,14 +59,14 @@ void ContactCache::keep(const System& system, State& state, const ContactCandida
   Material other;
   if (k.other_shape >= 0) other = material(k.other_shape, c.gap_b, c.position - half);
   next_.push_back({c.key, c.feature, material(k.shape, c.gap_a, c.position + half), other, c.n,
-                   c.impulse, false});
+                   c.impulse, c.spread, false});
 }
 
 void ContactCache::save(std::vector<double>& out) const {
   out.push_back((double)contacts_.size());
   for (const CachedContact& w : contacts_) {
     out.insert(out.end(), {(double)(w.key >> 32), (double)(w.key & 0xffffffff), (double)w.feature,
-                           (double)w.point.vertex, (double)w.other.vertex});
+                           (double)w.point.vertex, (double)w.other.vertex, w.spread});
     for (Vec3 v : {w.point.local, w.other.local, w.normal, w.impulse})
       out.insert(out.end(), {v.x, v.y, v.z});
   }
@@ -73,13 +74,14 @@ void ContactCache::save(std::vector<double>& out) const {
 
 const double* ContactCache::load(const double* in) {
   contacts_.clear();
-  for (int n = (int)*in++; n > 0; n--, in += 17)
+  for (int n = (int)*in++; n > 0; n--, in += 18)
     contacts_.push_back({((int64_t)in[0] << 32) | (int64_t)in[1],
                          (int)in[2],
-                         {(int)in[3], load3(in + 5)},
-                         {(int)in[4], load3(in + 8)},
-                         load3(in + 11),
-                         load3(in + 14),
+                         {(int)in[3], load3(in + 6)},
+                         {(int)in[4], load3(in + 9)},
+                         load3(in + 12),
+                         load3(in + 15),
+                         in[5],
                          false});
   return in;
 }

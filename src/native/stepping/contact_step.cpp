@@ -186,6 +186,16 @@ void ContactStep::add_contacts(double h) {
     if (i >= old && data_.cache.warm_start(system_, data_.state, attempt.candidates, c))
       curvature_.bend(system_, data_.state, attempt, c);
   }
+  place_friction(h);
+}
+
+void ContactStep::place_friction(double h) {
+  const Kinematics& kin = data_.state.pose.kin;
+  places_.place(system_.world, data_.state.pose, data_.cache.contacts(), data_.attempt.candidates,
+                data_.attempt.solved, data_.attempt.contacts, [&](const Contact& c) {
+                  return c.target - c.dist + c.shift -
+                         h * approach(system_.model, kin, c, twists_, data_.step.v);
+                });
 }
 
 // Contacts found after the last solve of an island that is not solved again only carry a guess.

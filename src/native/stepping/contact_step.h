@@ -15,6 +15,7 @@
 //
 // The answer is in data.step (v, end, end_qpos) and data.attempt (good, worst, contacts).
 #pragma once
+#include "collision/friction_places.h"
 #include "stepping/island_response.h"
 #include "stepping/joint_ranges.h"
 #include "stepping/kinematic_bodies.h"
@@ -43,6 +44,7 @@ class ContactStep {
   void drop_idle();
   static void find_worst(Attempt& attempt);
   void correct_prediction(Contact& c, double h);
+  void place_friction(double h);
   void rebound(double h);
   bool extend_reach(bool last);
 
@@ -55,6 +57,7 @@ class ContactStep {
   Verification verification_;
   IslandResponse response_;
   PathCurvature curvature_;
+  FrictionPlaces places_;
   Rebounds rebounds_;
   JointRanges ranges_;
   std::vector<Twist> twists_;

@@ -63,16 +63,16 @@ bool Rebounds::find_gains(const System& system, Data& data) {
   body_twists(model, kin, after.data(), spun_);
   work_.assign(model.nbody, 0);
   moved_.assign(model.nbody, 0);
-  const auto relative = [&](const Contact& c, const std::vector<Twist>& t,
-                            const std::vector<double>& v) {
-    return endpoint_velocity(model, kin, t, v.data(), c.a) -
-           endpoint_velocity(model, kin, t, v.data(), c.b);
+  const auto work = [&](const Contact& c, const std::vector<Twist>& t,
+                        const std::vector<double>& v) {
+    const ContactVelocity u = contact_velocity(model, kin, t, v.data(), c);
+    return dot(c.impulse, u.slip) + dot(c.impulse, c.n) * dot(c.n, u.point - u.slip);
   };
   for (const Contact& c : attempt.contacts) {
     if (norm2(c.impulse) == 0 || c.pair >= (int)attempt.candidates.size()) continue;
     const int island = data.islands.of(system, attempt.candidates[c.pair]);
-    const double before = dot(c.impulse, relative(c, arrived_, before_));
-    const double now = dot(c.impulse, relative(c, spun_, after));
+    const double before = work(c, arrived_, before_);
+    const double now = work(c, spun_, after);
     work_[island] += 0.5 * (before + now);
     moved_[island] += std::fabs(before) + std::fabs(now);
   }

@@ -112,8 +112,9 @@ void add_impulse(const Model& model, const Kinematics& kin, const Contact& c,
     for (int l = 0; l < e.count; l++) {
       const int b = e.body[l], last = model.pushed_dof(b);
       if (last < 0) continue;
-      const Vec3 linear = e.weight[l] * p;
-      const Vec3 moment = cross(e.point[l] - kin.reference(model, b), linear);
+      const Vec3 linear = e.weight[l] * p, normal = e.weight[l] * dot(p, c.n) * c.n;
+      const Vec3 moment =
+          cross(e.point[l] - kin.reference(model, b), linear) + cross(c.inward, linear - normal);
       const int* dof = &model.chain[model.row_start[last]];
       for (int a = 0; a < model.row_size[last]; a++) {
         const Twist& axis = kin.cdof[dof[a]];

@@ -198,7 +198,7 @@ def test_a_limp_leg_bends_past_a_fixed_ball_and_a_firm_one_moves_the_body(speed)
         knee.append((angles[0] - angles[1]).max())
         away = story.body.joints(result.motion) - story.body.joints(result.reference)
         root.append(np.linalg.norm(away[:, 0], axis=1).max())
-    assert knee[0] > knee[1] + 10.0
+    assert knee[0] > knee[1] + 7.0
     assert root[1] > 10.0 * root[0]
     assert root[1] > 0.1
 
@@ -243,7 +243,7 @@ def test_a_real_kick(body, shared_data, clip, low):
         assert speed[mass].max() <= (1.06 if low else 1.01) * speed[mass].min()
     assert speed[0.5].min() >= 5.0 * speed[200.0].max()
     # On the floor the foot goes on pushing 0.5 and 5 kg alike.
-    assert (speed[0.5] > (0.98 if low else 1.0) * speed[5.0]).all()
+    assert (speed[0.5] > (0.96 if low else 1.0) * speed[5.0]).all()
     # An inelastic hit by a heavy moving body: about as fast as the foot.
     assert 0.7 * foot < speed[0.5].min()
     assert speed[0.5].max() < 1.2 * foot

@@ -1,0 +1,68 @@
+#include "geometry/near_face.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tuning.h"
+
+namespace hp {
+
+namespace tune = tuning::geometry;
+
+std::vector<FacePoint> convex_polygon(std::vector<FacePoint> pts) {
+  std::sort(pts.begin(), pts.end(),
+            [](FacePoint x, FacePoint y) { return x.u < y.u || (x.u == y.u && x.v < y.v); });
+  if (pts.size() < 3) return pts;
+  std::vector<FacePoint> hull(2 * pts.size());
+  size_t k = 0;
+  for (size_t i = 0; i < pts.size(); hull[k++] = pts[i++])
+    while (k >= 2 && cross2(hull[k - 2], hull[k - 1], pts[i]) <= tune::kStraight) k--;
+  for (size_t i = pts.size() - 1, floor = k + 1; i-- > 0; hull[k++] = pts[i])
+    while (k >= floor && cross2(hull[k - 2], hull[k - 1], pts[i]) <= tune::kStraight) k--;
+  hull.resize(k - 1);
+  return hull;
+}
+
+std::vector<FacePoint> near_face(const PosedShape& s, Vec3 n, Vec3 t, Vec3 b, double tol) {
+  Points p = s.points();
+  Support swept = s.support();
+  double low = dot(n, p.at(p.support(-n)));
+  std::vector<FacePoint> pts;
+  pts.reserve(64);
+  auto add = [&](Vec3 x) { pts.push_back({dot(t, x), dot(b, x), dot(n, x)}); };
+  for (int i = 0; i < p.n; i++) {
+    Vec3 x = p.at(i);
+    if (dot(n, x) > low + tol) continue;
+    if (swept.rim == 0) {
+      add(x);
+    } else if (2 * (s.reach(n) - s.hull->radius) > tol) {
+      add(x + swept.on_rim(-n));
+    } else {
+      for (int k = 0; k < kRoundCorners; k++)
+        add(x + swept.on_rim(elementary::cos(0.25 * M_PI * k) * t +
+                             elementary::sin(0.25 * M_PI * k) * b));
+    }
+  }
+  return convex_polygon(std::move(pts));
+}
+
+std::vector<FacePoint> clip(std::vector<FacePoint> face, const std::vector<FacePoint>& by) {
+  for (size_t e = 0; e < by.size() && !face.empty(); e++) {
+    FacePoint p = by[e], q = by[(e + 1) % by.size()];
+    std::vector<FacePoint> out;
+    out.reserve(face.size() + 2);
+    for (size_t i = 0; i < face.size(); i++) {
+      FacePoint c = face[i], d = face[(i + 1) % face.size()];
+      double fc = cross2(p, q, c), fd = cross2(p, q, d);
+      if (fc >= 0) out.push_back(c);
+      if ((fc < 0) != (fd < 0)) {
+        double f = fc / (fc - fd);
+        out.push_back({c.u + f * (d.u - c.u), c.v + f * (d.v - c.v), 0});
+      }
+    }
+    face = out;
+  }
+  return face;
+}
+
+}  // namespace hp

@@ -571,14 +571,14 @@ constexpr double kSameNormal = 0.95;
 
 // Budget (step_budget.h)
 
-// Multiplications of a frame of up to kFrameSubsteps substeps, for each person: some 40 ms. What a
+// Multiplications of a frame of up to kFrameSubsteps substeps, for each person: 28 ms, on a slow machine 45. What a
 // substep may take of what is left, at least; the share of that with which nothing is tried again; what
 // an island may take of what is left in the first attempt at it, in one at a shorter piece, and in a
 // solve. An island may take kLeastIslandWork in any attempt, and kLeastSolveWork in any solve: trouble
 // elsewhere, which leaves nothing, changes no bit of one that needs less. With half of it for an attempt,
 // scenes that need many short steps lost up to 97 % of the time; with a fifth for the first one a wall at
 // 10 m/s lost 1 %.
-constexpr double kFrameWork = 3.4e8, kSpikeShare = 0.4, kWorkReserve = 0.1;
+constexpr double kFrameWork = 2.2e8, kSpikeShare = 0.4, kWorkReserve = 0.1;
 constexpr double kWholeShare = 0.25, kAttemptShare = 0.1, kSolveShare = 0.25;
 constexpr double kLeastIslandWork = 1e7, kLeastSolveWork = 3e6;
 constexpr int kFrameSubsteps = 8;

@@ -35,6 +35,7 @@ SETTINGS = {
     "free": 8,
     "live": 8,
     "stepper": 8,
+    "itself": 4,
     "wall": 6,
     "near": 4,
     "grasp": 2,
@@ -79,7 +80,8 @@ ALONE = {
 }  # no parts beside the skin
 PRESSED = ("grasp", "lift", "glass", "sofa", "lean", "settle")
 WITH_PEER = {
-    *("free", "live", "stepper", "wall", "near", "sweep", "sweep-parts", "hosted", "hosted-worlds"),
+    *("free", "live", "stepper", "itself", "wall", "near"),
+    *("sweep", "sweep-parts", "hosted", "hosted-worlds"),
     *WHOLE,
     *SOFT,
     *PRESSED,
@@ -102,6 +104,12 @@ def measured(clip, tmp_path_factory):
         patch.setattr("halfphysics.bench.instructions.shutil.which", lambda name: None)
         assert main(arguments) == 0
     return json.loads(out.read_text())
+
+
+def test_who_keeps_off_themselves_is_followed():
+    for record in bench.run("itself", Options(quick=True, repeats=1)):
+        assert record.checks["frames stepped"] == (0.0, None)
+        assert record.checks["MPJPE [mm]"][0] < EXACT_MM
 
 
 def test_how_people_stand_is_beside_their_rates():

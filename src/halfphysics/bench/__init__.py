@@ -35,6 +35,12 @@ CASES: Mapping[str, tuple[str, str, str]] = MappingProxyType(
             "the native core alone, targets computed before: not what a user sees. "
             "Baseline: its loop alone, targets computed before",
         ),
+        "itself": (
+            "itself",
+            "itself",
+            "the core alone, walking with self-contact, nothing near. "
+            "Baseline: ours without self-contact",
+        ),
         "wall": (
             "wall",
             "wall",

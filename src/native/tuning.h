@@ -571,14 +571,14 @@ constexpr double kSameNormal = 0.95;
 
 // Budget (step_budget.h)
 
-// Multiplications of a frame of up to kFrameSubsteps substeps, for each person: 28 ms, on a slow machine 45. What a
+// Multiplications of a frame of up to kFrameSubsteps substeps, for each person: some 40 ms, on a slow machine 70. What a
 // substep may take of what is left, at least; the share of that with which nothing is tried again; what
 // an island may take of what is left in the first attempt at it, in one at a shorter piece, and in a
 // solve. An island may take kLeastIslandWork in any attempt, and kLeastSolveWork in any solve: trouble
 // elsewhere, which leaves nothing, changes no bit of one that needs less. With half of it for an attempt,
 // scenes that need many short steps lost up to 97 % of the time; with a fifth for the first one a wall at
 // 10 m/s lost 1 %.
-constexpr double kFrameWork = 2.2e8, kSpikeShare = 0.4, kWorkReserve = 0.1;
+constexpr double kFrameWork = 3.4e8, kSpikeShare = 0.4, kWorkReserve = 0.1;
 constexpr double kWholeShare = 0.25, kAttemptShare = 0.1, kSolveShare = 0.25;
 constexpr double kLeastIslandWork = 1e7, kLeastSolveWork = 3e6;
 constexpr int kFrameSubsteps = 8;
@@ -855,8 +855,9 @@ constexpr double kHangs = 0.15;
 // Who is at most this far above a surface is on it [m]; who is held by contacts farther than the second above where
 // it was put has been lifted onto something.
 constexpr double kOnGround = 0.02, kRaised = 0.1;
-// A contact holds a person up if so much of its impulse points up.
-constexpr double kHeldUp = 0.5;
+// A contact holds a person up if so much of its impulse points up; contacts carry a person if those that do
+// bear this share of its weight. With any share a thumb on a couch held people in the air.
+constexpr double kHeldUp = 0.5, kCarriedShare = 0.5;
 // What a standing person can push with, in its own weight: m g d / h, d some 0.3 m of a stride from the
 // centre of mass to the edge of the support, h some 0.9 m. Measured pushes of upright walkers are 150 to
 // 300 N.
@@ -893,6 +894,8 @@ constexpr double kDeeperAtStart = 1e-6;
 // What is no farther than this in static geometry is over it, and does not sink into it as the person
 // comes down [m].
 constexpr double kNotSunk = 0.01;
+// Hands over things keep nobody up who is farther than this above what it is to stand on [m]: it falls.
+constexpr double kFallsPastHands = 0.05;
 
 // footwork.cpp
 

@@ -93,11 +93,15 @@ void Footing::move_height(double dt, double gravity) {
     height_ = to, rising_ = 0;
 }
 
-// After the height has gone down from `from`: no further than nothing sinks into the ground.
+// After the height has gone down from `from`: no further than nothing sinks into the ground; but whoever is
+// far above what it is to stand on falls, whatever its hands are over.
 void Footing::come_down(const CollisionWorld& world, Vec3 displaced, double from, double dt) {
   if (height_ >= from || layers.carry()) return;
+  double to = from;
+  const bool falls = dt > 0 && wanted_height(to, false) && to < from - tune::kFallsPastHands;
   const double least = std::min(
-      from, Underfoot::least_height(world, *model, stance_, {displaced.x, displaced.y, from}));
+      from,
+      Underfoot::least_height(world, *model, stance_, {displaced.x, displaced.y, from}, !falls));
   if (height_ >= least) return;
   height_ = least;
   rising_ = dt > 0 ? (height_ - from) / dt : 0;

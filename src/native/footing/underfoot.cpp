@@ -83,7 +83,7 @@ double Underfoot::highest() const {
 }
 
 double Underfoot::least_height(const CollisionWorld& world, const FootingModel& model,
-                               const Stance& stance, Vec3 by) {
+                               const Stance& stance, Vec3 by, bool hands) {
   SurfaceBelow below(world);
   double least = -1e300;
   auto look = [&](Vec3 x) {
@@ -92,7 +92,8 @@ double Underfoot::least_height(const CollisionWorld& world, const FootingModel& 
   };
   const size_t soles = stance.points.size() - model.skin.size();
   for (size_t n = 0; n < model.skin.size(); n++) look(stance.points[soles + n]);
-  for (const SkinPoint& p : model.hands) look(p.position(stance.kin));
+  for (size_t n = 0; n < model.hands.size() && hands; n++)
+    look(model.hands[n].position(stance.kin));
   return least;
 }
 

@@ -41,10 +41,10 @@ class Underfoot {
     skin_lift_ = least_skin_lift_ = skin_lift;
   }
 
-  // The least height at which nothing of a stance is in static geometry that is over it when displaced by
-  // `by`; -1e300: any.
+  // The least height at which nothing of a stance, its hands with the rest or not, is in static geometry that
+  // is over it when displaced by `by`; -1e300: any.
   static double least_height(const CollisionWorld& world, const FootingModel& model,
-                             const Stance& stance, Vec3 by);
+                             const Stance& stance, Vec3 by, bool hands);
   // Can a foot be put down, moved by `by` and turned about the vertical by `turn`? All of its sole is over
   // ground that is no stair away.
   static bool lands(const CollisionWorld& world, Poses& poses, const Leg& leg,

@@ -194,16 +194,21 @@ void Aiming::place_feet(System& system, State& state, Drive& d, const double* as
 }
 
 void Aiming::end(System& system, const FrameResult& result) {
-  std::vector<char> carried(system.model.nbody, 0), aside(system.model.nbody, 0);
+  std::vector<double> up(system.model.nbody, 0);  // [N s]
+  std::vector<char> aside(system.model.nbody, 0);
   auto look = [&](int shape, Vec3 impulse) {
     if (shape < 0 || !(norm2(impulse) > 0)) return;
-    const bool up = impulse.z > tune::kHeldUp * norm(impulse);
-    (up ? carried : aside)[system.tree(shape)] = 1;
+    if (impulse.z > tune::kHeldUp * norm(impulse))
+      up[system.tree(shape)] += impulse.z;
+    else
+      aside[system.tree(shape)] = 1;
   };
   for (const Touch& t : result.touches) look(t.shape, t.impulse), look(t.other_shape, -t.impulse);
   for (Drive& d : system.drives) {
-    d.carried = carried[d.body(0)];
-    d.footing.wading.pushed(aside[d.body(0)], d.motion.frame_length());
+    const double weight = norm(system.gravity) * system.model.carried[d.body(0)];
+    const double dt = d.motion.frame_length();
+    d.carried = up[d.body(0)] > tune::kCarriedShare * dt * weight;
+    d.footing.wading.pushed(aside[d.body(0)], dt);
   }
 }
 

@@ -48,6 +48,27 @@ def test_nothing_that_is_over_a_thing_starts_in_it(name):
     assert len(result.inside) == 0
 
 
+def test_a_hand_on_a_shelf_holds_nobody_in_the_air():
+    """The ground goes down by half a metre under somebody with a hand 3 mm over a shelf."""
+    drop, frames, fps = 0.5, 75, 30.0
+    motion = standing(0.0, frames)
+    joints, skin = BODY.joints(motion)[0], BODY.vertices(motion[0])
+    finger = joints[hp.JOINT_NAMES.index("right_middle2")]
+    hand = skin[np.linalg.norm(skin - finger, axis=1) < 0.12]
+    path = np.tile([*joints[0, :2], -0.05], (frames, 1))
+    fallen = 0.5 * 9.81 * np.maximum(np.arange(frames) / fps - 0.5, 0.0) ** 2
+    path[:, 2] -= np.minimum(fallen, drop)
+    scene = hp.Scene()
+    scene.add_static("floor", hp.Plane(), position=(0.0, 0.0, -drop - 0.1))
+    scene.add_moving("lift", hp.Box((1.0, 1.0, 0.1)), path, fps=fps)
+    under = (*finger[:2], hand[:, 2].min() - 0.013)
+    scene.add_static("shelf", hp.Box((0.1, 0.3, 0.02)), position=under)
+    result = hp.simulate(motion, scene, body=BODY)
+    assert (result.contacts.other == result.names.index("shelf")).any()
+    down = result.motion.translation[:, 2] - motion.translation[:, 2]
+    assert down[-1] == pytest.approx(-drop, abs=0.01)
+
+
 def test_who_sits_is_not_blocked():
     """Somebody moves back on a mattress: friction holds, but nobody waits for it."""
     story = hp.scenarios.load("sit_on_bed")

@@ -14,6 +14,8 @@
 // c, as Coulomb's law over any distribution of the same pressure does. Both bodies have it at one place:
 // momentum and angular momentum are kept exactly.
 //
+// Between limbs of one person friction acts at the points themselves.
+//
 // The spread is that of the true face where two rigid shapes meet, of the polygon of the points where a
 // person does. It is found when a patch gets a point that it had not in the substep before; of a rigid face, until
 // three of its points have carried something.

@@ -566,6 +566,9 @@ constexpr double kFirstReach = 0.05, kFirstReachFactor = 2;
 // A contact is the same as one of the last substep within 2 cm [m^2] and with this cosine of the
 // normals.
 constexpr double kWarmRadius2 = 0.02 * 0.02, kWarmNormal = 0.8;
+// A patch that turns by more than this in a substep has its friction at its points [rad]: drawn in, rods that spin
+// by radians gained energy.
+constexpr double kTurnsFar = 0.5;
 // Contacts of a pair are reported as one touch where the cosine of their normals is larger.
 constexpr double kSameNormal = 0.95;
 

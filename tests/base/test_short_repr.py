@@ -31,9 +31,9 @@ def body():
 
 
 THINGS = {
-    "Result(24 frames at 30 fps, 2 people, 4 objects, 192 contacts)": small.result,
-    "PersonResult(person0: 24 frames at 30 fps, root up to 186 mm off its path)": person,
-    "Contacts(192 rows in frames 1 to 23, ": lambda: small.result().contacts,
+    "Result(24 frames at 30 fps, 2 people, 4 objects, 197 contacts)": small.result,
+    "PersonResult(person0: 24 frames at 30 fps, root up to 212 mm off its path)": person,
+    "Contacts(197 rows in frames 1 to 23, ": lambda: small.result().contacts,
     "Contacts(2 rows in frame 1, ": lambda: small.result().contacts[:2],
     "Contacts(none)": lambda: small.result().contacts[:0],
     "Inside(none)": lambda: small.result().inside,

@@ -84,7 +84,7 @@ def test_what_was_simulated_moves_in_the_picture():
 @pytest.mark.parametrize(
     ("make", "unit"),
     [
-        (lambda: small.result().contacts, "impulse [N s], frames 1 to 23; highest 112"),
+        (lambda: small.result().contacts, "impulse [N s], frames 1 to 23; highest 104"),
         (lambda: sunken().inside, "depth [mm], frames 0 to "),
     ],
 )
@@ -150,7 +150,7 @@ def test_what_fails_is_left_out(monkeypatch, caplog):
     result = small.result()
     with caplog.at_level("DEBUG", logger="halfphysics"):
         text = result._repr_html_()
-    assert "Result(24 frames at 30 fps, 2 people, 4 objects, 192 contacts)" in text
+    assert "Result(24 frames at 30 fps, 2 people, 4 objects, 197 contacts)" in text
     assert "<img" not in text
     assert [r.getMessage() for r in caplog.records] == [
         "no picture of a Result: no triangles today",

@@ -46,9 +46,9 @@ bool FrictionPlaces::find_patch(const CollisionWorld& world, std::vector<Contact
            world.shapes[shape].hull.rim == 0;
   };
   const PairId pair = pair_of_key(contacts[first].key);
-  // Limbs that come out of each other were wedged with it.
-  const auto person = [&](int shape) { return shape < 0 ? -1 : world.shapes[shape].person; };
-  if (person(pair.shape) >= 0 && person(pair.shape) == person(pair.other_shape)) return false;
+  // People hold and stand by the points themselves (docs/physics.md).
+  const auto person = [&](int shape) { return shape >= 0 && world.shapes[shape].person >= 0; };
+  if (person(pair.shape) || person(pair.other_shape)) return false;
   return patch_.size() > 1 && contacts[first].friction > 0 && !ball(pair.shape) &&
          !ball(pair.other_shape);
 }

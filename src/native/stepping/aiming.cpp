@@ -207,7 +207,8 @@ void Aiming::end(System& system, const FrameResult& result) {
   for (Drive& d : system.drives) {
     const double weight = norm(system.gravity) * system.model.carried[d.body(0)];
     const double dt = d.motion.frame_length();
-    d.carried = up[d.body(0)] > tune::kCarriedShare * dt * weight;
+    // Who comes to sit presses as little on the seat, at first.
+    d.carried = up[d.body(0)] > (d.sits ? 0 : tune::kCarriedShare) * dt * weight;
     d.footing.wading.pushed(aside[d.body(0)], dt);
   }
 }

@@ -191,11 +191,17 @@ void ContactStep::add_contacts(double h) {
 
 void ContactStep::place_friction(double h) {
   const Kinematics& kin = data_.state.pose.kin;
-  places_.place(system_.world, data_.state.pose, data_.cache.contacts(), data_.attempt.candidates,
-                data_.attempt.solved, data_.attempt.contacts, [&](const Contact& c) {
-                  return c.target - c.dist + c.shift -
-                         h * approach(system_.model, kin, c, twists_, data_.step.v);
-                });
+  places_.place(
+      system_.world, data_.state.pose, data_.cache.contacts(), data_.attempt.candidates,
+      data_.attempt.solved, data_.attempt.contacts,
+      [&](const Contact& c) {
+        return c.target - c.dist + c.shift -
+               h * approach(system_.model, kin, c, twists_, data_.step.v);
+      },
+      [&](const Contact& c) {
+        return h * norm(endpoint_turn(twists_, c.a) - endpoint_turn(twists_, c.b)) >
+               tune::kTurnsFar;
+      });
 }
 
 // Contacts found after the last solve of an island that is not solved again only carry a guess.

@@ -10,7 +10,7 @@ SLIP, TURN = 10.0, 15.0  # [mm], [degrees]
 FORCE, SPREAD, PEAK = (27.0, 50.0), 0.05, 100.0  # [N], share, [N]
 
 
-JITTER, CREEP = 0.05, 0.05  # [m/s^2], [mm/s]
+JITTER, CREEP = 1e-3, 1e-3  # [m/s^2], [mm/s]; seen: 8e-5, 1e-5
 
 
 #: Tolerance of free fall [m/s^2], and its start after the hand begins to open [s].

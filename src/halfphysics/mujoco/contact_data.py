@@ -47,8 +47,8 @@ class PersonContacts:
         dist: Distance of the two at the start of the timestep (n,) [m]; MuJoCo's is negative where
             bodies overlap.
         force: Force and torque on geom2 in the contact's frame (n, 6) [N, N m], as
-            `mujoco.mj_contactForce` writes it: normal, two tangents; the torque is friction's about
-            the normal, which acts within a patch and not at its corners.
+            `mujoco.mj_contactForce` writes it: normal, two tangents; the torque is that of friction
+            which acts within a patch and not at its corners. A person's acts at the points: none.
     """
 
     geom1: Ints

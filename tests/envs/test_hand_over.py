@@ -37,7 +37,8 @@ def test_the_script_hands_the_cup_over():
 
 
 def test_the_cup_stays_between_the_fingers():
-    """Friction alone holds it while the arm swings: it slips by 1 cm (10.6 mm)."""
+    """Friction alone holds it while the arm swings: it turns between the fingers, two lines of
+    contact, and slips by 2 cm (19.3 mm)."""
 
     def swing(seen):
         time = 10.0 * seen[:, 30:31]
@@ -50,8 +51,9 @@ def test_the_cup_stays_between_the_fingers():
     while not task.over[0]:
         task.step(swing(task.observe()), np.array([[0.0, 0.0, 0.0, -1.0]]))
     last = (task._seen["cup"] - task._seen["middle"])[0]
-    assert np.linalg.norm(last - first) < 0.012
+    assert np.linalg.norm(last - first) < 0.022
     assert task._seen["cup"][0, 2] > DROPPED
+    assert task.worlds.load("cup", "fingers")[0] > 0.0
 
 
 def test_an_open_hand_drops_the_cup():

@@ -47,8 +47,7 @@ class PersonContacts:
         dist: Distance of the two at the start of the timestep (n,) [m]; MuJoCo's is negative where
             bodies overlap.
         force: Force and torque on geom2 in the contact's frame (n, 6) [N, N m], as
-            `mujoco.mj_contactForce` writes it: normal, two tangents; the torque is that of friction
-            which acts within a patch and not at its corners. A person's acts at the points: none.
+            `mujoco.mj_contactForce` writes it: normal, two tangents, and no torque.
     """
 
     geom1: Ints
@@ -83,16 +82,9 @@ class PersonContacts:
         force: Array = np.einsum("ni,nij->nj", self.force[:, :3], axes)
         return force
 
-    @property
-    def world_torque(self) -> Array:
-        """Torque on geom2 about `pos` in the world (n, 3) [N m]; on geom1 acts the opposite."""
-        axes = self.frame.reshape(-1, 3, 3)
-        torque: Array = np.einsum("ni,nij->nj", self.force[:, 3:], axes)
-        return torque
-
 
 def person_contacts(host: HostModel, rows: Array, timestep: float) -> PersonContacts:
-    """The core's rows (n, 16) of a timestep of that length [s], as MuJoCo has contacts."""
+    """The core's rows (n, 13) of a timestep of that length [s], as MuJoCo has contacts."""
     if not len(rows):
         return _NONE
     shape, static, other = rows[:, :3].astype(np.int64).T
@@ -109,7 +101,6 @@ def person_contacts(host: HostModel, rows: Array, timestep: float) -> PersonCont
     axes = _frames(normal)
     local = np.zeros((len(rows), 6))
     local[:, :3] = np.einsum("nij,nj->ni", axes, force)
-    local[:, 3:] = np.einsum("nij,nj->ni", axes, sign * rows[:, 13:16] / timestep)
     return PersonContacts(
         geom1=np.where(swapped, second, first),
         geom2=np.where(swapped, first, second),

@@ -155,8 +155,7 @@ std::vector<std::string> run_worlds(const std::vector<HostedWorld*>& worlds, int
   return errors;
 }
 
-// Columns: shape, other static, other shape, gap, position, normal, impulse,
-// moment about the position; of the last timestep.
+// Columns: shape, other static, other shape, gap, position, normal, impulse; of the last timestep.
 auto points(const Stepper& s) {
   std::vector<double> out;
   for (const FrameResult::Point& p : s.result().points) {
@@ -164,10 +163,9 @@ auto points(const Stepper& s) {
     push(out, p.position);
     push(out, p.normal);
     push(out, p.impulse);
-    push(out, p.moment());
   }
-  const size_t rows = out.size() / 16;
-  return array({rows, 16}, out);
+  const size_t rows = out.size() / 13;
+  return array({rows, 13}, out);
 }
 
 }  // namespace

@@ -10,17 +10,29 @@ namespace hp {
 
 namespace tune = tuning::collision;
 
-// The contacts of the patch of contacts[first]; false if that is alone or without friction.
+// People hold and stand by the points themselves (the header); a ball touches in one point: others are where
+// it touched in the passes before.
+bool FrictionPlaces::may_spread(const CollisionWorld& world, const Contact& c) {
+  const auto alone = [&](int shape) {
+    if (shape < 0) return false;
+    const CollisionShape& s = world.shapes[shape];
+    return s.person >= 0 || (s.hull.vertices.size() == 1 && s.hull.rim == 0);
+  };
+  const PairId pair = pair_of_key(c.key);
+  return c.friction > 0 && !alone(pair.shape) && !alone(pair.other_shape);
+}
+
+// The contacts of the patch of contacts[first]; false if that is alone.
 bool FrictionPlaces::find_patch(const CollisionWorld& world, std::vector<Contact>& contacts,
                                 size_t first) {
   const Vec3 n = contacts[first].n;
   const auto meets = [&](const Contact& a, const Contact& b) {
     const Vec3 way = a.position - b.position;
-    if (std::fabs(way.x) > tune::kOnePlace || norm2(way) > tune::kOnePlace * tune::kOnePlace)
-      return false;
-    const CollisionShape &s = world.shapes[pair_of_key(a.key).shape],
-                         &o = world.shapes[pair_of_key(b.key).shape];
-    return s.body == o.body || (s.person >= 0 && s.person == o.person);
+    return std::fabs(way.x) <= tune::kOnePlace &&
+           norm2(way) <= tune::kOnePlace * tune::kOnePlace &&
+           world.shapes[pair_of_key(a.key).shape].body ==
+               world.shapes[pair_of_key(b.key).shape].body &&
+           may_spread(world, a);
   };
   patch_.assign(1, first);
   pairs_.assign(1, contacts[first].pair);
@@ -40,17 +52,7 @@ bool FrictionPlaces::find_patch(const CollisionWorld& world, std::vector<Contact
       pairs_.push_back(c.pair);
       keys_.push_back(c.key);
     }
-  // A ball touches in one point; others are where it touched in the passes before.
-  const auto ball = [&](int shape) {
-    return shape >= 0 && world.shapes[shape].hull.vertices.size() == 1 &&
-           world.shapes[shape].hull.rim == 0;
-  };
-  const PairId pair = pair_of_key(contacts[first].key);
-  // People hold and stand by the points themselves (docs/physics.md).
-  const auto person = [&](int shape) { return shape >= 0 && world.shapes[shape].person >= 0; };
-  if (person(pair.shape) || person(pair.other_shape)) return false;
-  return patch_.size() > 1 && contacts[first].friction > 0 && !ball(pair.shape) &&
-         !ball(pair.other_shape);
+  return patch_.size() > 1;
 }
 
 // By the impulses of the last solve; false if there are none.
@@ -100,21 +102,14 @@ void FrictionPlaces::find_centre_of_loads(const std::vector<Contact>& contacts) 
 double FrictionPlaces::find_spread(const CollisionWorld& world, Poses& start,
                                    const std::vector<ContactCandidate>& candidates,
                                    const std::vector<Contact>& contacts) {
-  const ContactCandidate& first = candidates[pairs_[0]];
-  const bool person = world.shapes[first.shape].person >= 0 || world.handles(first);
+  if (patch_.size() == 2) return PatchSpread::kEdge;
   size_t known = 0;
   double spread = 0;
   for (const size_t k : patch_)
     if (contacts[k].spread > 0) spread = contacts[k].spread, known++;
   // Three corners of a face that carried something are a face.
-  if (known == patch_.size() || (!person && known >= 3)) return spread;
+  if (known >= 3) return spread;
   PatchSpread out(contacts[patch_[0]].n);
-  if (person || patch_.size() == 2) {
-    std::vector<Vec3> points;
-    for (const size_t k : patch_) points.push_back(contacts[k].position);
-    out.add_points(points);
-    return out.spread();
-  }
   for (const int pair : pairs_) {
     const ContactCandidate& c = candidates[pair];
     const PosedShape* other = nullptr;

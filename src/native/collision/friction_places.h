@@ -1,9 +1,9 @@
 // Where the friction of contact points acts: as far from the centre of their patch as its pressure lies.
 //
 // The points of one pair with one normal n are a patch: corners that hold an area. Pairs of one body that share
-// a point make one patch: pieces that meet, parts of a person. Friction at the corners
-// themselves would resist a turn about the normal by mu N times their distance from the centre, 1.5 times
-// what the rim of a disc does, 1.85 times for a square. The friction of a point x therefore acts at
+// a point make one patch: pieces that meet. Friction at the corners themselves would resist a turn about the
+// normal by mu N times their distance from the centre, 1.5 times what a disc does, 1.85 times for a square.
+// The friction of a point x therefore acts at
 //
 //     c + s (x - c)   in the plane across n through x,
 //
@@ -17,9 +17,8 @@
 // The friction of people acts at the points themselves: drawn in, a foot that lands on a mattress turned its person
 // 15 cm off the path, a suitcase slipped 5 cm in two palms, and arms that came out of the trunk were wedged.
 //
-// The spread is that of the true face where two rigid shapes meet, of the polygon of the points where a
-// person does. It is found when a patch gets a point that it had not in the substep before; of a rigid face, until
-// three of its points have carried something.
+// The spread is that of the true face where two rigid shapes meet, found anew when the patch gets a point that it
+// had not in the substep before, until three of its points have carried something.
 #pragma once
 #include <vector>
 
@@ -37,7 +36,7 @@ class FrictionPlaces {
              const std::vector<ContactCandidate>& candidates, size_t solved,
              std::vector<Contact>& contacts, const Missing& missing, const Turns& turns) {
     for (size_t i = 0; i < contacts.size(); i++) {
-      if (contacts[i].placed || turns(contacts[i])) continue;
+      if (contacts[i].placed || !may_spread(world, contacts[i]) || turns(contacts[i])) continue;
       if (!find_patch(world, contacts, i)) continue;
       if (!find_centre_of_solved(contacts, solved) &&
           !find_centre_of_cached(world, start, cached, contacts)) {
@@ -50,6 +49,7 @@ class FrictionPlaces {
   }
 
  private:
+  static bool may_spread(const CollisionWorld& world, const Contact& c);
   bool find_patch(const CollisionWorld& world, std::vector<Contact>& contacts, size_t first);
   bool find_centre_of_solved(const std::vector<Contact>& contacts, size_t solved);
   bool find_centre_of_cached(const CollisionWorld& world, Poses& start,

@@ -12,8 +12,6 @@ namespace tune = tuning::geometry;
 
 namespace {
 
-constexpr double kDisc = 2.0 / 3.0, kEdge = 0.5;  // spread of a disc's rim, of an edge's ends
-
 double area2(const std::vector<FacePoint>& face) {
   double sum = 0;
   for (size_t k = 1; k + 1 < face.size(); k++) sum += cross2(face[0], face[k], face[k + 1]);
@@ -63,14 +61,6 @@ void PatchSpread::add_face(const PosedShape& a, const PosedShape* b, double tol)
   disc_ = alone && ((own > 0 && same_area(face, own)) || (others > 0 && same_area(face, others)));
   points_.insert(points_.end(), face.begin(), face.end());
   faces_.push_back(std::move(face));
-}
-
-void PatchSpread::add_points(const std::vector<Vec3>& points) {
-  std::vector<FacePoint> flat;
-  flat.reserve(points.size());
-  for (Vec3 x : points) flat.push_back({dot(t_, x), dot(s_, x), 0});
-  faces_.push_back(convex_polygon(flat));
-  points_.insert(points_.end(), flat.begin(), flat.end());
 }
 
 PatchSpread::Area PatchSpread::area() const {

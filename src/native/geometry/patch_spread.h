@@ -20,14 +20,14 @@ namespace hp {
 // A patch is made of one face, or of several that meet: the pieces of one body.
 class PatchSpread {
  public:
+  static constexpr double kDisc = 2.0 / 3.0, kEdge = 0.5;  // of a disc's rim, of an edge's ends
+
   // In the plane across n (unit).
   explicit PatchSpread(Vec3 n) : n_(n) { tangents(n, t_, s_); }
 
   // The face of `a` that lies nearest along -n, or the area in which it lies over that of `b`, along n;
   // b = nullptr: a surface without an end. The points are its corners, within `tol` of the nearest along n.
   void add_face(const PosedShape& a, const PosedShape* b, double tol);
-  // The convex polygon around points.
-  void add_points(const std::vector<Vec3>& points);
   double spread() const;
 
  private:

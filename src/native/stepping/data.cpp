@@ -46,7 +46,7 @@ void FrameResult::clear(int nbody) {
 void FrameResult::add(const ContactCandidate& candidate, const Contact& contact) {
   if (keep_points)
     points.push_back({candidate.shape, candidate.other_static, candidate.other_shape,
-                      contact.position, contact.n, contact.impulse, contact.dist, contact.inward});
+                      contact.position, contact.n, contact.impulse, contact.dist});
   Touch* t = nullptr;
   for (Touch& o : touches)
     if (o.shape == candidate.shape && o.other_static == candidate.other_static &&

@@ -138,10 +138,6 @@ struct FrameResult {
     int shape, other_static, other_shape;
     Vec3 position, normal, impulse;  // the impulse on `shape` [N s]
     double dist;                     // gap at the start of the substep [m]
-    Vec3 inward;                     // friction acts at `position` plus this [m]
-    Vec3 pushing() const { return dot(impulse, normal) * normal; }
-    // Of the impulse about `position`, along the normal [N m s].
-    Vec3 moment() const { return cross(inward, impulse - pushing()); }
   };
   bool keep_points = false;
   std::vector<Point> points;

@@ -197,17 +197,14 @@ void Hosting::end(System& system, Data& data) {
   host_->show(state.pose.kin);
   for (const StandingLoad::Pressing& p : pressing_)
     data.result.points.push_back(
-        {shape_of(system, p.person), -1, p.shape, p.at, {0, 0, 1}, -h_ * p.force, 0, {}});
+        {shape_of(system, p.person), -1, p.shape, p.at, {0, 0, 1}, -h_ * p.force, 0});
   auto push = [&](int shape, Vec3 at, Vec3 force) {
     const int body = shape < 0 ? 0 : system.world.shapes[shape].body;
     if (host_->owns(body)) forces_.add(*host_, host_->number(body), at, force);
   };
   for (const FrameResult::Point& p : data.result.points) {
-    const Vec3 pushing = p.pushing(), friction = p.impulse - pushing;
-    push(p.shape, p.position, (1 / h_) * pushing);
-    push(p.other_shape, p.position, (-1 / h_) * pushing);
-    push(p.shape, p.position + p.inward, (1 / h_) * friction);
-    push(p.other_shape, p.position + p.inward, (-1 / h_) * friction);
+    push(p.shape, p.position, (1 / h_) * p.impulse);
+    push(p.other_shape, p.position, (-1 / h_) * p.impulse);
   }
 }
 

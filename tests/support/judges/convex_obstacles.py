@@ -61,14 +61,7 @@ class Obstacles:
 
     def near(self, low, high):
         """Pairs (box, obstacle) that meet, of boxes (K, 3); sorted by box."""
-
-        def meets(i, below, above):
-            out = np.ones(len(i), dtype=bool)
-            for k in range(3):  # numpy is slow along short rows
-                out &= (low[i, k] <= above[:, k]) & (high[i, k] >= below[:, k])
-            return out
-
-        box, which = self._boxes.pairs(len(low), meets)
+        box, which = self._boxes.overlapping(low, high)
         order = np.argsort(box, kind="stable")
         return box[order], which[order]
 

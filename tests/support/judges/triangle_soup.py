@@ -60,6 +60,17 @@ class Boxes:
             found.append(np.stack([item, node if levels else self.order[node]]))
         return np.concatenate(found, axis=1)
 
+    def overlapping(self, low, high):
+        """Pairs (item, box) that meet, of items with boxes `low`, `high` (n, d)."""
+
+        def meets(i, below, above):
+            out = np.ones(len(i), dtype=bool)
+            for k in range(low.shape[1]):  # numpy is slow along short rows
+                out &= (low[i, k] <= above[:, k]) & (high[i, k] >= below[:, k])
+            return out
+
+        return self.pairs(len(low), meets)
+
 
 class Soup:
     """Triangles (F, 3, 3) [m], counter-clockwise seen from outside."""
@@ -78,14 +89,7 @@ class Soup:
 
     def near(self, low, high):
         """Pairs (item, triangle) whose boxes meet; items have boxes `low`, `high` (n, 3)."""
-
-        def meets(i, below, above):
-            out = np.ones(len(i), dtype=bool)
-            for k in range(3):  # numpy is slow along short rows
-                out &= (low[i, k] <= above[:, k]) & (high[i, k] >= below[:, k])
-            return out
-
-        return self._boxes.pairs(len(low), meets)
+        return self._boxes.overlapping(low, high)
 
     def smallest(self, points, most=np.inf):
         """Smallest distance of any of the points (n, 3), and its index; (inf, -1) beyond `most`."""

@@ -849,6 +849,9 @@ constexpr double kAtRestShare = 0.5;
 constexpr double kUpsideDown = 0.3;
 // A step ends on ground that is at most so much higher or lower [m].
 constexpr double kLandsUp = 0.12, kLandsDown = 0.15;
+// Feet of who sits are on the ground in a motion that has them this low over it [m], and are not from the second
+// on.
+constexpr double kOnFloor = 0.01, kOffFloor = 0.05;
 // What is farther than this above any surface [m] carries only after it has rested so long [s]: at the
 // top of a jump a foot rests for 0.05 s.
 constexpr double kFar = 0.06, kRestTime = 0.1;

@@ -28,8 +28,7 @@ bool FrictionPlaces::find_patch(const CollisionWorld& world, std::vector<Contact
   const Vec3 n = contacts[first].n;
   const auto meets = [&](const Contact& a, const Contact& b) {
     const Vec3 way = a.position - b.position;
-    return std::fabs(way.x) <= tune::kOnePlace &&
-           norm2(way) <= tune::kOnePlace * tune::kOnePlace &&
+    return std::fabs(way.x) <= tune::kOnePlace && norm2(way) <= tune::kOnePlace * tune::kOnePlace &&
            world.shapes[pair_of_key(a.key).shape].body ==
                world.shapes[pair_of_key(b.key).shape].body &&
            may_spread(world, a);

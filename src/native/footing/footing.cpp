@@ -287,7 +287,7 @@ bool Footing::clear_between(const Model& m, int root_qpos, const double* from, c
   for (size_t f = 0; f < model->legs.size(); f++) {
     double sags = 0;
     for (const SkinPoint& p : model->legs[f].sole)
-      sags = std::max(sags, under_.ground[i++] - p.position(between_).z);
+      sags = std::max(sags, under_.ground[i++] - held_up_ - p.position(between_).z);
     if (sags < tune::kSags) continue;
     lift_[f] += std::min(2 * sags, tune::kMostSag);
     any = true;
@@ -359,7 +359,12 @@ void Footing::frame(const Model& m, const CollisionWorld& world, Poses& poses, i
   folds_ = wades() ? 1 - fades(lower, tune::kUnfolded, tune::kFolded) : 0;
   const double ahead = std::max(height_ + frame.rises, std::min(height_, least));
   const double rises = dt > 0 && layers.carry() ? frame.rises / dt : 0;
-  for (size_t f = 0; f < under_.feet.size(); f++) lift_[f] = wanted_lift(f, ahead, rises, dt);
+  held_up_ = frame.held_up;
+  for (size_t f = 0; f < under_.feet.size(); f++) {
+    // Feet that the motion has on the ground are put there from where contacts hold who sits.
+    const double on_ground = fades(-under_.feet[f].lift, tune::kOnFloor, tune::kOffFloor);
+    lift_[f] = wanted_lift(f, ahead + on_ground * held_up_, rises, dt);
+  }
   move_feet(world, poses, frame);
   find_left(poses, dt);
   displaced_ = frame.displaced;

@@ -89,6 +89,7 @@ class Footing {
     const double* from = nullptr;  // the corrected target before: qpos of the person
     Vec3 displaced;                // how far the root will be off its path, and is above it now [m]
     Vec3 returns;                  // how far the root is to go back to its path in the frame [m]
+    double held_up = 0;            // how far contacts hold who sits or lies above its height [m]
     double rises = 0;  // how much higher layers will have it at the end of the frame [m]
   };
   // A frame towards the pose in `target` (the model's qpos), which is corrected.
@@ -130,6 +131,7 @@ class Footing {
   bool over_ground_ = false, on_ground_ = false;  // in the last frame
   bool bottoms_ = false;
   double folds_ = 0;
+  double held_up_ = 0;  // of the frame
 
   // Of the frame under way.
   Kinematics between_;  // half-way to the target

@@ -181,6 +181,7 @@ void Aiming::place_feet(System& system, State& state, Drive& d, const double* as
   frame.displaced = d.motion.displaced(s, asked, dt, qpos);
   frame.returns = frame.displaced - (load3(qpos + d.first_qpos()) - load3(frame.from));
   frame.returns.z = 0;
+  if (d.sits) frame.held_up = std::max(0.0, frame.displaced.z);
   frame.displaced += Vec3{ahead.drift.x, ahead.drift.y, 0};
   frame.rises = ahead.drift.z;
   frame.view = {dt, d.clock.passed(), norm(system.gravity), ahead.turned, 1 - d.clock.rate()};

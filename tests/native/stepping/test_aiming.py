@@ -69,6 +69,16 @@ def test_a_hand_on_a_shelf_holds_nobody_in_the_air():
     assert down[-1] == pytest.approx(-drop, abs=0.01)
 
 
+def test_feet_of_whom_a_seat_holds_up_stand_on_the_floor():
+    """The motion sits 9 mm deep in a hard seat: the seat holds the body up, and the feet stay."""
+    story = hp.scenarios.load("sit_on_sofa")
+    result = hp.simulate(story.motion, story.scene, body=story.body)
+    up = (result.motion.translation - story.motion.translation)[-1, 2]
+    soles = [story.body.vertices(m[-1])[:, 2].min() for m in (story.motion, result.motion)]
+    assert up > 0.008
+    assert soles[1] == pytest.approx(soles[0], abs=2e-3)
+
+
 def test_who_sits_is_not_blocked():
     """Somebody moves back on a mattress: friction holds, but nobody waits for it."""
     story = hp.scenarios.load("sit_on_bed")

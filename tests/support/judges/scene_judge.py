@@ -8,6 +8,7 @@ import numpy as np
 
 from evidence.runs.playing import free_joints, joint_angles, pelvis_distance
 from halfphysics import metrics
+from halfphysics.metrics.asked import asked_motion
 from halfphysics.simulation.simulate import simulate
 
 
@@ -36,5 +37,7 @@ def judge(sequence, settings=None):
     result = simulate(motion, scene, body=body, settings=settings)
     there = metrics.penetration(motion, body, scene)
     after = metrics.penetration(result.motion, body, scene, objects=result.objects)
-    angle = np.where(free_joints(result), joint_angles(motion, result.motion), 0.0)
+    # Who has waited is behind the motion, and follows what was asked of it then.
+    then = asked_motion(result.people[0])
+    angle = np.where(free_joints(result), joint_angles(then, result.motion), 0.0)
     return SceneVerdict(sequence, result, there, after, pelvis_distance(result), angle.max(axis=0))

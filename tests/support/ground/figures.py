@@ -62,7 +62,15 @@ def figures(result, person=0):
     group = groups_of(subject.body)
     asked = asked_motion(subject)
     gaps = [
-        carrying_gaps(m, subject.body, result.scene, group, objects=result.objects, reach=REACH)
+        carrying_gaps(
+            m,
+            subject.body,
+            result.scene,
+            group,
+            objects=result.objects,
+            reach=REACH,
+            visible=True,
+        )
         for m in (asked, subject.motion)
     ]
     in_air = airborne(asked, subject.body)
@@ -74,7 +82,11 @@ def figures(result, person=0):
     size = np.linalg.norm(force.force, axis=1)
     first = max(2, round(FIRST * fps))
     clear = result.clearance[round(fps) :]
-    end, carrier = end_height(gaps[0].gap[-1], gaps[1].gap[-1])
+    ends = [
+        last_gaps(m, subject.body, result, group, g.gap[-1])
+        for m, g in zip((asked, subject.motion), gaps, strict=True)
+    ]
+    end, carrier = end_height(*ends)
     return {
         "end_mm": end,
         "end_carrier": carrier,
@@ -107,6 +119,17 @@ def figures(result, person=0):
         "lost_s": float(result.lost_time.sum()),
         "airborne_percent": float(100.0 * in_air.mean()),
     }
+
+
+def last_gaps(motion, body, result, group, visible):
+    """Gaps of the groups in the last frame (9,) [m]: those to what is seen, `visible`; but what
+    presses into a soft layer stands on it, and only in its frame is it inside.
+    """
+    if (visible >= 0.0).all():
+        return visible
+    tracks = {name: track[-2:] for name, track in result.objects.items()}
+    hard = carrying_gaps(motion[-2:], body, result.scene, group, objects=tracks, reach=REACH)
+    return np.where(visible >= 0.0, visible, np.minimum(hard.gap[-1], 0.0))
 
 
 def end_height(asked, got):

@@ -17,7 +17,7 @@ void Footwork::clear(size_t feet) {
   places_.assign(feet, {});
   speed_ = {};
   spin_ = time_ = lasts_ = 0;
-  steps_ = -1;
+  steps_ = landed_ = -1;
   share_ = 1;
   to_ = {};
 }
@@ -89,7 +89,7 @@ void Footwork::step(double dt) {
   p.turn += share * ((1 - share_) * p.turn + left * spin_ - p.turn);
   const double s = time_ / lasts_;
   p.raised = time_ < lasts_ ? 16 * tune::kStepHeight * s * s * (1 - s) * (1 - s) : 0;
-  if (time_ >= lasts_) steps_ = -1;
+  if (time_ >= lasts_) landed_ = steps_, steps_ = -1;
 }
 
 // A foot stays where it is, if a leg can reach it there.
@@ -119,6 +119,8 @@ void Footwork::frame(const std::vector<Foot>& feet, bool free, double dt, const 
   if (turned == 0 && std::fabs(spin_) < tune::kNoSlide) spin_ = 0;
   bool walks = false;  // a foot carries
   for (const Foot& foot : feet) walks |= free && foot.grounded && foot.rests > tune::kAtRestShare;
+  const int landed = landed_;
+  landed_ = -1;
   if (steps_ >= 0) step(others_stand(feet, (size_t)steps_) ? dt : tune::kInTheAirToo * dt);
   for (size_t f = 0; f < feet.size(); f++) {
     Place& p = places_[f];
@@ -131,6 +133,8 @@ void Footwork::frame(const std::vector<Foot>& feet, bool free, double dt, const 
       p.home = p.offset;
     }
     if (!p.held) p.home = {};
+    // Who waits has a foot where its step has ended, as far as the leg reached: there it belongs.
+    if (p.held && landed == (int)f) p.home = p.offset;
     if (steps((int)f)) to_ -= feet[f].slid;
     if (p.rests || steps((int)f)) {
       p.offset -= feet[f].slid;
@@ -164,8 +168,8 @@ void Footwork::save(std::vector<double>& out) const {
   for (const Place& p : places_)
     out.insert(out.end(), {p.offset.x, p.offset.y, p.home.x, p.home.y, p.turn, p.raised,
                            (p.rests ? 1.0 : 0.0) + (p.held ? 2.0 : 0.0)});
-  out.insert(out.end(),
-             {speed_.x, speed_.y, spin_, (double)steps_, time_, lasts_, share_, to_.x, to_.y});
+  out.insert(out.end(), {speed_.x, speed_.y, spin_, (double)steps_, time_, lasts_, share_, to_.x,
+                         to_.y, (double)landed_});
 }
 
 const double* Footwork::load(const double* in, size_t feet) {
@@ -179,7 +183,8 @@ const double* Footwork::load(const double* in, size_t feet) {
   speed_ = {in[0], in[1], 0};
   spin_ = in[2], steps_ = (int)in[3], time_ = in[4], lasts_ = in[5], share_ = in[6];
   to_ = {in[7], in[8], 0};
-  return in + 9;
+  landed_ = (int)in[9];
+  return in + 10;
 }
 
 }  // namespace hp

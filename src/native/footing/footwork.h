@@ -8,7 +8,8 @@
 //
 //   c -> v kStance / 2    (v: speed of the body beside its motion, smoothed [m/s])
 //
-// Who waits stands on both feet: they are put down where they are, level, and that is their place; only of
+// Who waits stands on both feet: they are put down where they are, level, and that is their place, or where a step
+// has ended since, as far as the leg reached (else they would step on the spot for ever); only of
 // who waits is a foot that something keeps from its place left where it is.
 //
 // What a motion's own steps do not take back, others do: of two feet that rest the one that is
@@ -78,6 +79,7 @@ class Footwork {
   double spin_ = 0;              // the same about the vertical [rad/s]
   int steps_ = -1;               // the foot that steps
   double time_ = 0, lasts_ = 0;  // of the step so far, and in all [s]
+  int landed_ = -1;              // the foot whose step has ended in the last frame
   double share_ = 1;             // of the wanted offset at which there is ground
   Vec3 to_;                      // where it ends, as seen now: an offset [m]
 };

@@ -166,6 +166,27 @@ void what_a_motion_lifts_comes_back_to_its_place() {
     CHECK(feet.offset(f).x == 0 && feet.offset(f).y == 0 && feet.turn(f) == 0);
 }
 
+// A leg that reaches no nearer than 12 cm to where it is to be: one step, and not one after the other for ever.
+void who_waits_stands_where_its_step_has_ended() {
+  Footwork feet;
+  feet.clear(2);
+  auto both = standing();
+  for (auto& foot : both) foot.held = true;
+  feet.frame(both, true, kDt, kAnywhere);
+  int steps = 0;
+  for (int i = 0; i < 240; i++) {
+    const bool up = feet.raised(0) > 0 || feet.raised(1) > 0;
+    both = standing({i < 30 ? 0.004 : 0.0, 0, 0});
+    for (auto& foot : both) foot.held = true;
+    feet.frame(both, true, kDt, kAnywhere);
+    const Vec3 left = feet.offset(0);
+    if (left.x > -0.12) feet.reached(0, {-0.12, 0, 0});
+    steps += !up && (feet.raised(0) > 0 || feet.raised(1) > 0);
+    if (i >= 120) CHECK(feet.raised(0) == 0 && feet.raised(1) == 0);
+  }
+  CHECK(steps >= 1 && steps <= 3);
+}
+
 void saved_and_loaded_it_goes_on() {
   Footwork a, b;
   a.clear(2);
@@ -193,6 +214,7 @@ int main() {
   who_waits_leaves_a_foot_that_was_stopped_where_it_is();
   a_body_slows_down_where_its_feet_cannot_follow();
   what_a_motion_lifts_comes_back_to_its_place();
+  who_waits_stands_where_its_step_has_ended();
   saved_and_loaded_it_goes_on();
   return check::report("footwork");
 }

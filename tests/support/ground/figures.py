@@ -127,8 +127,7 @@ def last_gaps(motion, body, result, group, visible):
     """
     if (visible >= 0.0).all():
         return visible
-    tracks = {name: track[-2:] for name, track in result.objects.items()}
-    hard = carrying_gaps(motion[-2:], body, result.scene, group, objects=tracks, reach=REACH)
+    hard = carrying_gaps(motion, body, result.scene, group, objects=result.objects, reach=REACH)
     return np.where(visible >= 0.0, visible, np.minimum(hard.gap[-1], 0.0))
 
 

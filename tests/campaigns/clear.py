@@ -100,10 +100,16 @@ def room_cases(data):
 
 @cache
 def all_cases(data):
-    """Shuffled; throws and rooms alternate, so that any beginning has as many of both."""
+    """Shuffled; pairs of a throw and a room, so that any beginning has as many of both, in an order
+    by chance, so that every shard has."""
     kinds = [throw_cases(), room_cases(data) if data is not None else []]
     ranked = [(rank, case) for cases in kinds for rank, case in enumerate(sorted(cases, key=_seed))]
-    return [case for rank, case in sorted(ranked, key=lambda r: (r[0], r[1].kind))]
+
+    def place(ranked):
+        rank, case = ranked
+        return rank, 1 if case.kind == "throw" else 2 * (case.seed % 2)
+
+    return [case for _, case in sorted(ranked, key=place)]
 
 
 @cache

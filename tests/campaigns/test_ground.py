@@ -27,6 +27,13 @@ def test_a_scenario_gives_a_row_a_person():
     assert "rows with all" in summary(rows)
 
 
+def test_who_is_pressed_into_a_mattress_stands_on_it():
+    """Its hard frame is 2 cm under the feet at the end, and further while it is jumped on."""
+    (row,) = run(Case("scenario", "jump_on_bed"))
+    assert row["end_mm"] == 0.0
+    assert row["float_percent"] == 0.0
+
+
 def test_the_log_goes_on_where_it_stopped(tmp_path):
     cases = [Case("push", "jamb"), Case("push", "box20")]
     log = tmp_path / "rows.jsonl"

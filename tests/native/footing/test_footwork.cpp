@@ -166,7 +166,7 @@ void what_a_motion_lifts_comes_back_to_its_place() {
     CHECK(feet.offset(f).x == 0 && feet.offset(f).y == 0 && feet.turn(f) == 0);
 }
 
-// A leg that reaches no nearer than 12 cm to where it is to be: one step, and not one after the other for ever.
+// A leg that reaches no nearer than 12 cm to where it is to be: a step or two, and then it stands.
 void who_waits_stands_where_its_step_has_ended() {
   Footwork feet;
   feet.clear(2);

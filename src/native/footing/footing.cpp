@@ -64,7 +64,8 @@ bool Footing::wanted_height(double& height, bool starts) const {
     const double lift = std::clamp(from, under_.feet[f].least, under_.feet[f].lift);
     const double carries = stance_.drags ? foot.low : foot.rests;
     if (!under_.feet[f].grounded || carries < tune::kAtRestShare) continue;
-    if (!stance_.drags && lift < height_ - tune::kFar && foot.rested < tune::kRestTime) continue;
+    const bool new_there = !starts && !stance_.drags && foot.rested < tune::kRestTime;
+    if (new_there && lift < height_ - tune::kFar) continue;
     highest = std::max(highest, lift);
     most = std::min(most, lift + model->legs[f].slack(stance_.body(), footwork_.offset(f)));
   }
@@ -115,8 +116,8 @@ void Footing::wade(const Model& m, double dt) {
   wading.frame(*model, stance_, footwork_, under_, stance_.centre_of_mass(m), dt);
 }
 
-// How far a foot is to be lifted beyond the person's height, which will be `height`.
-double Footing::wanted_lift(size_t leg, double height, double rises, double dt) {
+// How far a foot is to be lifted beyond the person's height, which will be `height` and has grown by `rose`.
+double Footing::wanted_lift(size_t leg, double height, double rose, double rises, double dt) {
   const Stance::Foot& foot = stance_.feet[leg];
   const Underfoot::Foot& under = under_.feet[leg];
   double lift = lift_[leg], up = 0, down = tune::kLowerRate;
@@ -137,6 +138,9 @@ double Footing::wanted_lift(size_t leg, double height, double rises, double dt) 
       if (sits() && layers.carry()) up *= 1 - carries;
     }
   }
+  // A sole does not go up with a person who rises faster than legs would follow.
+  const double carried_up = std::max(0.0, rose - tune::kRisesSlowly * dt);
+  lift = std::max(lift - carried_up, std::min(lift, up + tune::kHangsBehind));
   double& sinking = sinking_[leg];
   if (up > lift) {
     sinking = 0;
@@ -324,7 +328,7 @@ void Footing::start(const Model& m, const CollisionWorld& world, Poses& poses, i
   height_ = height;
   come_down(world, {}, 0, 0);
   for (size_t f = 0; f < under_.feet.size(); f++) {
-    const double up = wanted_lift(f, height_, 0, 1);
+    const double up = wanted_lift(f, height_, 0, 0, 1);
     if (std::fabs(up) < tune::kStartShift) lift_[f] = up;
   }
   apply(root_qpos, qpos);
@@ -363,7 +367,7 @@ void Footing::frame(const Model& m, const CollisionWorld& world, Poses& poses, i
   for (size_t f = 0; f < under_.feet.size(); f++) {
     // Feet that the motion has on the ground are put there from where contacts hold who sits.
     const double on_ground = fades(-under_.feet[f].lift, tune::kOnFloor, tune::kOffFloor);
-    lift_[f] = wanted_lift(f, ahead + on_ground * held_up_, rises, dt);
+    lift_[f] = wanted_lift(f, ahead + on_ground * held_up_, height_ - from, rises, dt);
   }
   move_feet(world, poses, frame);
   find_left(poses, dt);

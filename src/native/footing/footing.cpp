@@ -339,7 +339,9 @@ bool Footing::bears(int toes) const {
     if (model->legs[f].toes != toes) continue;
     const Underfoot::Foot& under = under_.feet[f];
     const bool near = under.lift > height_ + lift_[f] - tune::kBears;
-    return under.grounded && near && !footwork_.steps(f) && stance_.feet[f].rests > 0;
+    const Stance::Foot& foot = stance_.feet[f];
+    const double carries = stance_.drags ? foot.low : foot.rests;
+    return under.grounded && near && !footwork_.steps(f) && carries > 0;
   }
   return false;
 }

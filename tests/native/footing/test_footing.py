@@ -10,7 +10,7 @@ from halfphysics.body.footing_points import footing_points
 from halfphysics.scenarios.acting.gait import Walk
 from halfphysics.scenarios.acting.gait import walk as gait
 from support.as_it_is import as_it_is
-from support.ground.figures import knee_jerk
+from support.ground.figures import knee_jerk, toes_angle
 
 #: Clearance, the gap of a sole, and what its points miss of the skin between them [m].
 STANDS = (0.0009, 0.004)
@@ -75,6 +75,21 @@ def test_a_sole_stays_on_the_ground_as_the_height_makes_up_for_a_motion_that_com
     # Moving feet pass 6 mm higher and hang by 4 mm at most; taken up with the body by 16.
     assert (feet < STANDS[1] + 0.0065).all()
     assert feet[-1] < STANDS[1]
+
+
+def test_toes_of_who_hops_on_sliding_feet_are_firm_too():
+    """On tiptoe at 1 m/s, up and down by 12 cm twice a second: no foot ever rests."""
+    motion, fps = standing(0.0), 30.0
+    rotations = motion.rotations.copy()
+    for side in SIDES:
+        rotations[:, hp.JOINT_NAMES.index(f"{side}_ankle"), 0] += 0.8
+    t = np.arange(len(motion)) / fps
+    way = np.column_stack([t, 0.0 * t, 0.06 * (1.0 - np.cos(4.0 * np.pi * t))])
+    tiptoe = motion.with_frames(motion.translation, rotations).grounded(BODY, z=0.0)
+    hops = tiptoe.with_frames(tiptoe.translation + way, rotations)
+    result = hp.simulate(hops, floor(), body=BODY)
+    assert result.contacts.impulse.sum() > 1.0  # N s: they do touch
+    assert toes_angle(result.people[0]) < 1.0  # 3.9 degrees, if only feet at rest had firm toes
 
 
 @pytest.mark.parametrize("scene", [hp.Scene(), floor(top=-0.0012)], ids=["nothing", "floor"])

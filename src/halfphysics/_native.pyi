@@ -390,6 +390,8 @@ class Stepper:
 
     def solve_times(self) -> NDArray[numpy.float64]: ...
 
+    def frame_work(self) -> float: ...
+
     def blind(self, arg: int, /) -> None: ...
 
     def keep_trace(self, arg: bool, /) -> None: ...
@@ -477,6 +479,16 @@ def convex_distance(
 ) -> tuple[Any, ...]: ...
 
 def triangle_planes(
+    arg0: Annotated[NDArray[numpy.float64], "(*, 3)"],
+    arg1: Annotated[NDArray[numpy.int32], "(*, 3)"],
+    arg2: Annotated[NDArray[numpy.float64], "(*, 3)"],
+    arg3: float,
+    arg4: Annotated[NDArray[numpy.float64], "(*,)"],
+    arg5: float,
+    /,
+) -> tuple[Any, ...]: ...
+
+def triangle_nearest(
     arg0: Annotated[NDArray[numpy.float64], "(*, 3)"],
     arg1: Annotated[NDArray[numpy.int32], "(*, 3)"],
     arg2: Annotated[NDArray[numpy.float64], "(*, 3)"],

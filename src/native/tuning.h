@@ -73,6 +73,11 @@ constexpr double kNearFaces = 2e-3, kSameDistance = 1e-7;
 // shapes that touch, and of others. Less, and a face beside an edge could take the place of the edge.
 constexpr double kLikeTouching = 0.9, kLikeNear = 0.9999;
 
+// Pairs of points that bound what a direction can be worth (direction_bounds.h), and the rounding that a
+// bound must be under by [m]. No result depends on them.
+constexpr int kBoundPairs = 8;
+constexpr double kBoundRounding = 1e-9;
+
 // contact_manifold.cpp
 
 // near_face.cpp, patch_spread.cpp
@@ -100,6 +105,8 @@ constexpr size_t kManyPlanes = 256, kMostPlanes = 2048;
 constexpr double kEnoughReach = 5e-3;
 // The same for tests of boxes and triangles against planes, some 2 ns each.
 constexpr size_t kManyTests = 200000, kMostTests = 2000000;
+// What opening a box, and measuring a triangle or a hull, costs in such tests.
+constexpr size_t kBoxTests = 4, kMeasureTests = 150;
 // Planes that cull others without being a result. Each is tested against every box and triangle: many
 // cost more than they save. No result depends on it.
 constexpr size_t kMostCullers = 12;
@@ -273,6 +280,9 @@ constexpr double kLeastRange = 1e-9;
 // Directions of the lattice, some 15 degrees apart, and steps of the refinement; by how much the best
 // direction is turned at first, and at last [rad].
 constexpr int kLatticeDirections = 192, kRefinements = 40;
+// What a direction costs, most of which are hopeless at once, and what a look at a pair's end pose costs besides, in
+// tests (geometry/bvh.h).
+constexpr size_t kDirectionTests = 3, kLookTests = 120;
 constexpr double kFirstTurn = 0.15, kLastTurn = 1e-4;
 // Directions are chosen anew where kStuckPatience substeps leave more than this share of the depth.
 constexpr double kEnoughProgress = 0.9;
@@ -288,6 +298,9 @@ constexpr int kExitBisections = 7;
 // Faces of a mesh within this of the group show directions [m], up to so many directions in all.
 constexpr double kExitFaces = 0.02;
 constexpr int kMostExitDirections = 80;
+// What a search may cost within a frame, in tests of some 2 ns (geometry/bvh.h): some 8 ms. At the reset it
+// may take the 30 to 60 ms that a person who is cut in half takes.
+constexpr size_t kMostExitTests = 3000000;
 // Cosines: directions this near are one; directions this near to one that failed are not tried again.
 constexpr double kSameDirection = 0.999, kOtherDirection = 0.7;
 // Parts that a static cuts off are on its right side only if they carry more than this share of the mass.
@@ -430,6 +443,9 @@ constexpr double kCompliance = 1e-8;
 // From kManyJoined on those that are violated most join first.
 constexpr int kMostJoined = 400, kManyJoined = 100;
 constexpr double kSolveWork = 1e8;
+// What a number costs that is taken from between others, one of a long product, a contact on its own, and one
+// that joins, besides its products with the others: measured.
+constexpr double kScatteredWork = 4, kProductWork = 0.4, kContactWork = 80, kJoinWork = 2000;
 
 // The share of it that sweeps and Newton steps leave to the normal impulses alone.
 constexpr double kNormalShare = 0.25;
@@ -585,9 +601,10 @@ constexpr double kFrameWork = 3.4e8, kSpikeShare = 0.4, kWorkReserve = 0.1;
 constexpr double kWholeShare = 0.25, kAttemptShare = 0.1, kSolveShare = 0.25;
 constexpr double kLeastIslandWork = 1e7, kLeastSolveWork = 3e6;
 constexpr int kFrameSubsteps = 8;
-// What posing a shape is taken to cost, checking a candidate at the end pose, finding it, and a test
-// of a search in a mesh [multiplications, of 0.125 ns]: measured times.
+// What posing a skin is taken to cost, checking a candidate at the end pose, finding it, and a test of a
+// search in a mesh [multiplications, of 0.125 ns]: measured times. Other shapes cost a share of a skin.
 constexpr double kPoseWork = 8e3, kCheckWork = 3e3, kPlaneWork = 8e3, kTestWork = 25;
+constexpr double kRigidPose = 0.1;
 // Violated candidates, for each person, from which on contacts are made of the worst of each shape only,
 // kPatchPlanes of them with normals that differ by this cosine: the planes that bound a patch span it, the
 // rest of them is violated again in the next pass if that was not enough.
@@ -894,7 +911,8 @@ constexpr double kAtHeight = 1e-6, kAtRest = 1e-5;
 // 0.05 s in 29, with the rate in 41, and with kLegReach too in 51; at 20 rad/s dancing feet hang 3 mm more.
 constexpr double kLift = 2.0, kLowerRate = 25;
 // A lifted sole is not taken up by a person who rises faster than the first [m/s], beyond the second over where it is to
-// be [m]: it hung 30 mm over the ground as a dance came down from 15 cm. With neither, knees jerk more (47 of 60).
+// be [m]: it hung 30 mm over the ground as a dance came down from 15 cm. Without the first, knees jerk more (1.5 times
+// at most in 47 of 60 clips), with neither in 46.
 constexpr double kRisesSlowly = 0.05, kHangsBehind = 4e-3;
 // A person may start this much higher or lower than asked to stand [m]: what recordings are off by.
 constexpr double kStartShift = 0.1;

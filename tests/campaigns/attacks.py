@@ -41,6 +41,8 @@ ROUNDING = 1e-6
 #: CPU time of a frame of one person, of two [s]; memory that stepping takes [MB].
 MOST_SECONDS = (0.05, 0.10)
 MOST_MEMORY = 50.0
+#: Work of a frame, in its budgets: what has begun when one ends is ended, in every substep.
+MOST_WORK = 2.5
 #: A case stops after this much CPU time [s]: the old core took 40 s for a frame.
 PATIENCE = 120.0
 #: What fuzzing draws from.
@@ -89,7 +91,8 @@ def set_up(case: Case) -> Attack:
 
 
 def simulate(attack: Attack, frames: int | None = None):
-    """The simulator, its start (nq,), its frames, and the CPU time of each [s]."""
+    """The simulator, its start (nq,), its frames, what each cost, in CPU time [s] and in budgets of
+    a frame, and the memory that stepping took [MB]."""
     settings = Settings(record="substeps", **attack.settings)
     people = [body()] * len(attack.motions)
     with warnings.catch_warnings():
@@ -99,15 +102,16 @@ def simulate(attack: Attack, frames: int | None = None):
     simulator.reset([m[0] for m in attack.motions])
     start = simulator.world.start([m[0] for m in attack.motions])[0]
     length = min(map(len, attack.motions))
-    done, seconds, memory = [], [], _Memory()
+    done, seconds, work, memory = [], [], [], _Memory()
     for t in range(1, length if frames is None else min(length, frames + 1)):
         poses = [m[t] for m in attack.motions]
         begin = time.thread_time()
         done.append(simulator.step(poses))
         seconds.append(time.thread_time() - begin)
+        work.append(simulator.world.stepper.frame_work())
         if sum(seconds) > PATIENCE:
             break
-    return simulator, start, done, seconds, memory.grown()
+    return simulator, start, done, (seconds, work), memory.grown()
 
 
 class _Memory:
@@ -160,7 +164,7 @@ def _mm(x):
 def run(case: Case, frames: int | None = None, judge: bool = True) -> dict[str, object]:
     """The numbers of one case."""
     attack = set_up(case)
-    simulator, start, done, seconds, memory = simulate(attack, frames)
+    simulator, start, done, (seconds, work), memory = simulate(attack, frames)
     slow = np.argsort(seconds)[::-1][:10]
     row = {
         "id": case.id,
@@ -170,6 +174,7 @@ def run(case: Case, frames: int | None = None, judge: bool = True) -> dict[str, 
         "poses": sum(len(f.substeps) for f in done),
         "slowest": [[float(seconds[k]), int(k) + 1] for k in slow],
         "seconds": float(sum(seconds)),
+        "work": float(max(work)),
         "contacts": max(int(f.diagnostics["contacts"]) for f in done),
         "planes": max(int(f.diagnostics["planes"]) for f in done),
         "lost": sum(f.lost_time for f in done) * attack.fps / len(done),
@@ -187,6 +192,8 @@ def complaints(row: dict) -> list[str]:
     most = MOST_SECONDS[min(row["people"], 2) - 1]
     if row["slowest"][0][0] > most:
         out.append(f"frame {row['slowest'][0][1]} took {1e3 * row['slowest'][0][0]:.0f} ms")
+    if row["work"] > MOST_WORK:
+        out.append(f"a frame cost {row['work']:.1f} of its budgets")
     if row["memory_mb"] is not None and row["memory_mb"] > MOST_MEMORY:
         out.append(f"stepping took {row['memory_mb']:.0f} MB")
     if not row["finite"]:

@@ -294,6 +294,20 @@ auto triangle_planes(Rows3 vertices, Faces faces, Rows3 hull, double radius, Dou
   return nb::make_tuple(array({planes.size(), 6}, out), tree.distance(p, reach), holds);
 }
 
+// Is a triangle nearer to a convex shape than `range`, and the distance of the nearest (`range` if none is)?
+auto triangle_nearest(Rows3 vertices, Faces faces, Rows3 hull, double radius, Doubles rim,
+                      double range) {
+  TriangleTree tree(vertices.data(), (int)vertices.shape(0), faces.data(), (int)faces.shape(0));
+  Convex A = convex(hull, radius, rim);
+  PosedShape p;
+  p.place(A, {}, {});
+  size_t tests = 0;
+  Plane plane;
+  const bool nearer = tree.nearer(p, range, tests), found = tree.nearest(p, range, plane, tests);
+  if (nearer != found) throw std::logic_error("triangle_nearest: the two searches differ");
+  return nb::make_tuple(nearer, found ? plane.dist : range);
+}
+
 // A lower bound of the distance of a convex shape from triangles, or minus its depth; `axes` (n, 3)
 // are directions that are tried first.
 double triangle_gap(Rows3 vertices, Faces faces, Rows3 hull, double radius, Doubles rim,
@@ -305,7 +319,8 @@ double triangle_gap(Rows3 vertices, Faces faces, Rows3 hull, double radius, Doub
   SeparatingAxes known;
   for (size_t k = 0; k < axes.shape(0) && k < SeparatingAxes::kMost; k++)
     known.n[k] = load3(axes.data() + 3 * k);
-  return tree.gap(p, tuning::collision::kEndLook, known);
+  size_t tests = 0;
+  return tree.gap(p, tuning::collision::kEndLook, known, tests);
 }
 
 }  // namespace
@@ -314,6 +329,7 @@ void bind_probes(nb::module_& m, StepperClass& stepper) {
   stepper.def("keep_pieces", [](Stepper& s, bool on) { s.probe.keep_pieces = on; })
       .def("keep_times", [](Stepper& s, bool on) { s.probe.keep_times = on; })
       .def("solve_times", [](Stepper& s) { return array(s.probe.solve_times); })
+      .def("frame_work", &Stepper::frame_work)
       .def("blind", [](Stepper& s, int how) { s.probe.blind = how; })
       .def("keep_trace", [](Stepper& s, bool on) { s.probe.keep_trace = on; })
       .def("trace", &trace)
@@ -330,5 +346,6 @@ void bind_probes(nb::module_& m, StepperClass& stepper) {
   m.def("coulomb_contact", &coulomb_contact);
   m.def("convex_distance", &convex_distance);
   m.def("triangle_planes", &triangle_planes);
+  m.def("triangle_nearest", &triangle_nearest);
   m.def("triangle_gap", &triangle_gap);
 }

@@ -26,11 +26,11 @@ struct Generator {
   const CollisionShape& shape;
   const PosedShape& a0;  // the shape at the start
   int already = 0;       // points that the candidate has
-  const Overhang overhang;
+  Overhang& overhang;
 
   Generator(const CollisionWorld& world, const std::vector<CachedContact>& cached, Poses& start,
             Poses& end, const ContactCandidate& c, int index, int pass,
-            std::vector<Contact>& contacts)
+            std::vector<Contact>& contacts, Overhang& overhang)
       : world(world),
         cached(cached),
         start(start),
@@ -41,7 +41,7 @@ struct Generator {
         contacts(contacts),
         shape(world.shapes[c.shape]),
         a0(world.place(start, c.shape)),
-        overhang(world) {
+        overhang(overhang) {
     for (const Contact& k : contacts) already += k.pair == index;
   }
 
@@ -377,7 +377,7 @@ void Generator::add() {
 void ContactPoints::add(const std::vector<CachedContact>& cached, Poses& start, Poses& end,
                         const ContactCandidate& c, int index, int pass,
                         std::vector<Contact>& contacts) const {
-  Generator(world_, cached, start, end, c, index, pass, contacts).add();
+  Generator(world_, cached, start, end, c, index, pass, contacts, overhang_).add();
 }
 
 // The point of a disc's rim that lies in the contact's direction, whatever material that is.

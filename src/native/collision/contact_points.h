@@ -28,12 +28,14 @@
 #include <vector>
 
 #include "collision/collision_world.h"
+#include "collision/overhang.h"
 
 namespace hp {
 
 class ContactPoints {
  public:
-  explicit ContactPoints(const CollisionWorld& world) : world_(world) {}
+  ContactPoints(const CollisionWorld& world, Overhang& overhang)
+      : world_(world), overhang_(overhang) {}
 
   // Adds contact points of a violated candidate (number `index`), or better ones than in the passes
   // before; `cached` are those of the substep before.
@@ -56,6 +58,7 @@ class ContactPoints {
   double rim_gap_at(Poses& start, Poses& end, const Contact& c, int shape) const;
 
   const CollisionWorld& world_;
+  Overhang& overhang_;
 };
 
 }  // namespace hp

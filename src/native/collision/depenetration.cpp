@@ -1,5 +1,6 @@
 #include "collision/depenetration.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "collision/exit_search.h"
@@ -29,7 +30,8 @@ Obstacle Depenetration::obstacle(Poses& start, int other_static, int other_shape
 }
 
 // Each tree is handled once per obstacle that it overlaps, when their first pair comes.
-void Depenetration::begin(const Model& m, Poses& start, const std::vector<PairId>& pairs) {
+void Depenetration::begin(const Model& m, Poses& start, const std::vector<PairId>& pairs,
+                          size_t most_tests) {
   auto root_of = [&](const PairId& o) { return m.root[world_.shapes[o.shape].body]; };
   auto same = [&](const PairId& a, const PairId& b) {
     return a.other_static == b.other_static && a.other_shape == b.other_shape &&
@@ -44,9 +46,19 @@ void Depenetration::begin(const Model& m, Poses& start, const std::vector<PairId
     std::vector<int> overlapping;
     for (const PairId& other : pairs)
       if (same(other, pair)) overlapping.push_back(other.shape);
-    for (const OverlapGroup& g : overlap_groups(world_, m, start, o, root_of(pair), overlapping))
-      add_group(start, o, g, ExitSearch(world_, m, start, o, g, avoid_).run());
+    for (const OverlapGroup& g :
+         overlap_groups(world_, m, start, o, root_of(pair), overlapping, tests_))
+      if (any_new(g, o))
+        add_group(start, o, g,
+                  ExitSearch(world_, m, start, o, g, avoid_, most_tests, tests_).run());
   }
+}
+
+// Has a shape of the group no exit from the obstacle yet?
+bool Depenetration::any_new(const OverlapGroup& group, const Obstacle& o) const {
+  return !std::all_of(group.shapes.begin(), group.shapes.end(), [&](int i) {
+    return is_overlapping(overlaps_, i, o.other_static, o.other_shape);
+  });
 }
 
 // A shape that is less deep than others of its group starts where it first is clear.
@@ -60,7 +72,8 @@ void Depenetration::add_group(Poses& start, const Obstacle& o, const OverlapGrou
     in.exit = exit.displacement;
     in.no_exit = norm2(in.exit) == 0;
     auto clear_at = [&](double out) {
-      return o.clear(displaced(world_.place(start, i), (1 - out) * in.exit), tune::kExitClearance);
+      return o.clear(displaced(world_.place(start, i), (1 - out) * in.exit), tune::kExitClearance,
+                     tests_);
     };
     double bad = 1;
     for (double out = 0; !in.no_exit; out += tune::kExitStride / exit.length) {
@@ -99,7 +112,7 @@ void Depenetration::add_candidates(Poses& start, BroadPhasePair& e, InitialOverl
   e.planes_reach = 0;
   const Obstacle o = obstacle(start, in.other_static, in.other_shape);
   if (in.no_exit) {
-    if (o.clear(world_.place(start, in.shape), tune::kLeastGap)) in.next_progress = 1;
+    if (o.clear(world_.place(start, in.shape), tune::kLeastGap, tests_)) in.next_progress = 1;
     return;
   }
   const double speed = world_.settings.depenetration_speed, length = norm(in.exit),
@@ -150,7 +163,7 @@ bool Depenetration::reroute(const Model& m, Poses& start) {
   }
   overlaps_ = kept;
   avoid_ = (1 / norm(first.exit)) * first.exit;
-  begin(m, start, again);
+  begin(m, start, again, tune::kMostExitTests);
   avoid_ = {};
   bool found = true;
   for (size_t k = kept.size(); k < overlaps_.size(); k++) found &= !overlaps_[k].no_exit;

@@ -12,6 +12,7 @@
 // hardly progresses for some substeps tries another direction. Limits: displacements are at most
 // 0.6 m long; where none fits, no contact holds the pair until it is clear by itself.
 #pragma once
+#include <utility>
 #include <vector>
 
 #include "collision/broad_phase.h"
@@ -35,8 +36,9 @@ class Depenetration {
   double growth = 1;
 
   void clear();
-  // Finds exits for these pairs, which overlap at the poses `start`.
-  void begin(const Model& m, Poses& start, const std::vector<PairId>& pairs);
+  // Finds exits for these pairs, which overlap at the poses `start`; each search may cost so many tests
+  // (geometry/bvh.h).
+  void begin(const Model& m, Poses& start, const std::vector<PairId>& pairs, size_t most_tests);
   // The candidates that hold a pair: planes of the obstacle against the displaced shape, up to
   // `reach`, which is lowered where they hold for less; decides how far the pair comes out in this
   // substep.
@@ -46,6 +48,9 @@ class Depenetration {
   bool reroute(const Model& m, Poses& start);
   // The substep has been made, by the trees' shares of it (per body; empty: whole).
   void advance(const std::vector<double>& share);
+
+  // What has been spent since this was last asked.
+  size_t take_tests() { return std::exchange(tests_, 0); }
 
   void save(std::vector<double>& out) const;
   const double* load(const double* in);
@@ -64,12 +69,14 @@ class Depenetration {
 
  private:
   Obstacle obstacle(Poses& start, int other_static, int other_shape) const;
+  bool any_new(const OverlapGroup& group, const Obstacle& o) const;
   void add_group(Poses& start, const Obstacle& o, const OverlapGroup& group, const Exit& exit);
   double find_planes(const PosedShape& a, const Obstacle& o, BroadPhasePair& e, double range) const;
 
   const CollisionWorld& world_;
   GapTargets& targets_;
   std::vector<InitialOverlap> overlaps_;
+  size_t tests_ = 0;
   Vec3 avoid_;  // unit direction that is not to be tried again; zero: none
 };
 

@@ -15,8 +15,9 @@ double spheres_gap(const BoundingSphere& a, const BoundingSphere& b) {
   return norm(a.center - b.center) - a.radius - b.radius;
 }
 
-// By how much a direction separates two shapes; the one that GJK finds if the last one does not.
-double shape_gap(const PosedShape& a, const PosedShape& b, SeparatingAxes& axes) {
+// By how much a direction separates two shapes; the one that GJK finds if the last one does not. What an
+// overlap costs more is added to `tests` (geometry/bvh.h).
+double shape_gap(const PosedShape& a, const PosedShape& b, SeparatingAxes& axes, size_t& tests) {
   const Vec3 last = axes.n[0];
   if (norm2(last) > 0) {
     const double apart = a.lowest(last) - b.highest(last);
@@ -25,6 +26,9 @@ double shape_gap(const PosedShape& a, const PosedShape& b, SeparatingAxes& axes)
   const Separation s = separate(a, b, tune::kEndLook, true, last);
   const double length = norm(s.n);
   if (length == 0) return s.dist;
+  if (s.dist <= 0)
+    tests += tune::kDirectionTests *
+             (a.hull->normals.size() + b.hull->normals.size() + tune::kLatticeDirections);
   axes.n[0] = s.dist > 0 ? (1 / length) * s.n : least_overlap(a, b, s.n);
   return a.lowest(axes.n[0]) - b.highest(axes.n[0]);
 }
@@ -32,18 +36,18 @@ double shape_gap(const PosedShape& a, const PosedShape& b, SeparatingAxes& axes)
 }  // namespace
 
 // A lower bound of the distance where it is positive, else minus the depth.
-double EndCheck::gap(Poses& p, const BroadPhasePair& e, SeparatingAxes& axes) const {
+double EndCheck::gap(Poses& p, const BroadPhasePair& e, SeparatingAxes& axes) {
   if (e.own) {  // most of a person's pairs need no vertex posed
     const double apart = spheres_gap(p.cached_bounding_sphere(world_.shapes, e.shape),
                                      p.cached_bounding_sphere(world_.shapes, e.other_shape));
     if (apart > 0) return apart;
   }
   const PosedShape& a = world_.place(p, e.shape);
-  if (e.other_shape >= 0) return shape_gap(a, world_.place(p, e.other_shape), axes);
+  if (e.other_shape >= 0) return shape_gap(a, world_.place(p, e.other_shape), axes, tests_);
   const Static& S = world_.statics[e.other_static];
   if (S.kind == Static::Kind::HalfSpace) return a.lowest(S.n) - S.offset;
-  if (S.kind == Static::Kind::Hull) return shape_gap(a, S.posed, axes);
-  return S.tree->gap(a, tune::kEndLook, axes);
+  if (S.kind == Static::Kind::Hull) return shape_gap(a, S.posed, axes, tests_);
+  return S.tree->gap(a, tune::kEndLook, axes, tests_);
 }
 
 // By how much the direction that was found last separates a pair at the start, of those that were measured
@@ -73,7 +77,7 @@ bool EndCheck::exempt(const BroadPhasePair& e) const {
   return depenetration_.any() && depenetration_.find(e);
 }
 
-bool EndCheck::breached(Poses& start, const BroadPhasePair& e, double gap) const {
+bool EndCheck::breached(Poses& start, const BroadPhasePair& e, double gap) {
   if (gap >= -tune::kBreach) return false;
   SeparatingAxes axes;
   const double before = this->gap(start, e, axes);
@@ -106,7 +110,7 @@ const std::vector<Breach>& EndCheck::find(Poses& start, Poses& end, const std::v
     measured_.push_back({i, std::max(0.0, now)});
     if (breached(start, e, now)) found_.push_back({{e.shape, e.other_static, e.other_shape}, -now});
   }
-  asked_ += measured_.size();
+  tests_ += tune::kLookTests * measured_.size();
   return found_;
 }
 

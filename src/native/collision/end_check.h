@@ -42,16 +42,16 @@ class EndCheck {
   // root `inner` (empty without self-contact). Once per end pose.
   const std::vector<Breach>& find(Poses& start, Poses& end, const std::vector<double>& way,
                                   const std::vector<double>& inner);
-  // Pairs that end poses had to be asked about since this was last asked.
-  size_t take_asked() { return std::exchange(asked_, 0); }
+  // What has been spent since this was last asked (geometry/bvh.h).
+  size_t take_tests() { return std::exchange(tests_, 0); }
   // The end that was looked at last is the pose from now on, and the broad phase knows.
   void commit();
 
  private:
-  double gap(Poses& p, const BroadPhasePair& e, SeparatingAxes& axes) const;
+  double gap(Poses& p, const BroadPhasePair& e, SeparatingAxes& axes);
   double room_at(Poses& start, const BroadPhasePair& e) const;
   bool exempt(const BroadPhasePair& e) const;
-  bool breached(Poses& start, const BroadPhasePair& e, double gap) const;
+  bool breached(Poses& start, const BroadPhasePair& e, double gap);
 
   const CollisionWorld& world_;
   BroadPhase& broad_phase_;
@@ -64,7 +64,7 @@ class EndCheck {
     double room;
   };
   std::vector<Measured> measured_;
-  size_t asked_ = 0;
+  size_t tests_ = 0;
   uint64_t stamp_ = 0;  // of the end pose that `found_` and `measured_` are of
 };
 

@@ -126,6 +126,7 @@ bool GapCheck::swept_clear(const Model& m, const ContactCandidate& c, Poses& sta
     shift = start.kin.xpos[b] - back * end.kin.xpos[b];
   }
   const SweptPoints swept = swept_points(a0, a1, c, back, shift);
+  tests_ += 2 * tuning::geometry::kMeasureTests;
   double chord = c.other_shape >= 0 ? swept.farthest() : 0;
   double margin = a0.hull->radius + world_.settings.clearance;
   Vec3 pa, pb;
@@ -185,7 +186,7 @@ bool GapCheck::swept_mesh_clear(const Model& m, const ContactCandidate& c, Poses
   swept.set_box(box);
   const double margin = 0.125 * paths(m, start, end).acceleration(world_.shapes[c.shape]) +
                         a0.hull->radius + world_.settings.clearance;
-  return world_.statics[c.other_static].tree->distance(swept, margin) >= margin;
+  return !world_.statics[c.other_static].tree->nearer(swept, margin, tests_);
 }
 
 double GapCheck::unforgiven(Poses& end, ContactCandidate& c) const {
@@ -214,6 +215,7 @@ double GapCheck::excess(const Model& m, Poses& start, Poses& end, ContactCandida
     gap = separate_along(a, b1, c.n).dist;
     if (gap >= c.target - slack || c.dist < 0) return gap - c.target;
     Hint hint = c.hint;
+    tests_ += tuning::geometry::kMeasureTests;
     Separation s = separate(a, b1, 1e300, false, c.n, &hint);
     if (s.dist > 0 && dot(s.n, c.n) > tune::kSameSide) return s.dist - c.target;
   }

@@ -11,6 +11,7 @@
 // are no ghost contacts at edges that a shape passes by.
 #pragma once
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "collision/collision_world.h"
@@ -21,7 +22,7 @@ namespace hp {
 
 class GapCheck {
  public:
-  explicit GapCheck(const CollisionWorld& world) : world_(world), overhang_(world) {}
+  GapCheck(const CollisionWorld& world, Overhang& overhang) : world_(world), overhang_(overhang) {}
 
   // Smallest gap of a candidate at the end pose minus its target [m]; kForgiven, and c.forgiven is
   // set, where the plane is crossed but nothing is behind it. What the candidate's plane shows to miss
@@ -34,6 +35,9 @@ class GapCheck {
   // hides anything. Computed once per pair and end pose.
   bool mesh_clear(const Model& m, const ContactCandidate& c, Poses& start, Poses& end);
 
+  // What has been spent since this was last asked (geometry/bvh.h).
+  size_t take_tests() { return std::exchange(tests_, 0); }
+
  private:
   const PathBounds& paths(const Model& m, const Poses& start, const Poses& end);
   double bulge(const Model& m, const ContactCandidate& c, Poses& start, Poses& end, double chord);
@@ -42,7 +46,8 @@ class GapCheck {
   bool swept_mesh_clear(const Model& m, const ContactCandidate& c, Poses& start, Poses& end);
 
   const CollisionWorld& world_;
-  const Overhang overhang_;
+  Overhang& overhang_;
+  size_t tests_ = 0;
   struct MeshAnswer {
     int shape, other_static;
     bool clear;

@@ -1,11 +1,18 @@
 #include "collision/least_overlap.h"
+
+#include "geometry/direction_bounds.h"
 #include "geometry/separation.h"
 
 namespace hp {
 
 Vec3 least_overlap(const PosedShape& a, const PosedShape& b, Vec3 guess) {
-  return best_direction([&](Vec3 n) { return a.lowest(n) - b.highest(n); },
-                        {guess, a.center - b.center});
+  DirectionBounds bounds(a, b);
+  const auto apart = [&](Vec3 n, double most) {
+    if (bounds.under(n, most)) return -1e300;
+    bounds.add(n);
+    return a.lowest(n) - b.highest(n);
+  };
+  return best_direction(apart, {guess, a.center - b.center});
 }
 
 double pair_gap(const CollisionWorld& world, Poses& p, int a, int b) {

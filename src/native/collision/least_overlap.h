@@ -14,7 +14,8 @@
 
 namespace hp {
 
-// The unit direction n in which apart(n) is largest.
+// The unit direction n in which apart(n, most) is largest; where that is less than `most` it may be
+// anything less.
 template <typename Apart>
 Vec3 best_direction(Apart apart, const std::vector<Vec3>& guesses) {
   namespace tune = tuning::collision;
@@ -24,7 +25,7 @@ Vec3 best_direction(Apart apart, const std::vector<Vec3>& guesses) {
     const double length = norm(n);
     if (length < 1e-12) return false;
     n = (1 / length) * n;
-    const double dist = apart(n);
+    const double dist = apart(n, most);
     if (dist <= most) return false;
     most = dist, best = n;
     return true;

@@ -174,7 +174,7 @@ void NarrowPhase::measure_shapes(const Model& m, Poses& start, BroadPhasePair& e
 void NarrowPhase::resolve(const Model& m, Poses& start, BroadPhasePair& e, double& valid, double h,
                           std::vector<ContactCandidate>& out) {
   if (world_.forced && world_.shapes[e.shape].person >= 0) return;  // static geometry stops no pose
-  depenetration_.begin(m, start, {{e.shape, e.other_static, e.other_shape}});
+  depenetration_.begin(m, start, {{e.shape, e.other_static, e.other_shape}}, tune::kMostExitTests);
   broad_phase_.invalidate();  // shapes that are cut off are to be listed too
   if (InitialOverlap* in = depenetration_.find(e))
     depenetration_.add_candidates(start, e, *in, valid, h, out);

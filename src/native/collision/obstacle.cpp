@@ -43,16 +43,17 @@ bool Obstacle::meets(const Box3& box) const {
   return is(Static::Kind::HalfSpace) || box.meets(posed().box());
 }
 
-bool Obstacle::clear(const PosedShape& a, double range) const {
+bool Obstacle::clear(const PosedShape& a, double range, size_t& tests) const {
   if (is(Static::Kind::HalfSpace)) return a.lowest(fixed->n) - fixed->offset >= range;
-  if (is(Static::Kind::Mesh)) return fixed->tree->distance(a, 2 * range) >= range;
+  if (is(Static::Kind::Mesh)) return !fixed->tree->nearer(a, range, tests);
+  tests += tuning::geometry::kMeasureTests;
   return separate(a, posed(), 2 * range, false).dist >= range;
 }
 
-bool Obstacle::crosses(Vec3 a, Vec3 b) const {
+bool Obstacle::crosses(Vec3 a, Vec3 b, size_t& tests) const {
   if (is(Static::Kind::HalfSpace))
     return std::min(dot(fixed->n, a), dot(fixed->n, b)) <= fixed->offset;
-  return !clear(Segment(a, b).posed, tune::kRestingOverlap);
+  return !clear(Segment(a, b).posed, tune::kRestingOverlap, tests);
 }
 
 }  // namespace hp

@@ -15,10 +15,10 @@ struct Obstacle {
   const PosedShape& posed() const { return object ? *object : fixed->posed; }
   bool is(Static::Kind kind) const { return fixed && fixed->kind == kind; }
   bool meets(const Box3& box) const;
-  // Is the shape clear of it by `range` [m]?
-  bool clear(const PosedShape& a, double range) const;
+  // Is the shape clear of it by `range` [m]? What it costs is added to `tests` (geometry/bvh.h).
+  bool clear(const PosedShape& a, double range, size_t& tests) const;
   // Does the straight line from a to b meet it?
-  bool crosses(Vec3 a, Vec3 b) const;
+  bool crosses(Vec3 a, Vec3 b, size_t& tests) const;
 };
 
 }  // namespace hp

@@ -39,24 +39,24 @@ double way(const PosedShape& a0, const PosedShape& a1) {
   return norm(a1.center - a0.center) + a0.hull->bound * std::sqrt(turn2);
 }
 
-// Calls f(point of the unrounded shape, where it was at the start) for its vertices, of discs for
-// points of their rims: the deepest ones along -n, and around those that lie flat.
+// Calls f(point of the unrounded shape, where it was at the start, its vertex) for its vertices, of
+// discs for points of their rims (vertex -1): the deepest ones along -n, and around those that lie flat.
 template <typename F>
 bool any_point(const PosedShape& a0, const PosedShape& a1, Vec3 n, F f) {
   const Support s0 = a0.support(), s1 = a1.support();
   if (s1.rim == 0) {
     for (int v = 0; v < s1.points.n; v++)
-      if (f(s1.points.at(v), s0.points.at(v))) return true;
+      if (f(s1.points.at(v), s0.points.at(v), v)) return true;
     return false;
   }
   Vec3 t, b;
   tangents(n, t, b);
   for (int v = 0; v < s1.points.n; v++) {
-    if (f(s1.points.at(v) + s1.on_rim(-n), s0.points.at(v) + s0.on_rim(-n))) return true;
+    if (f(s1.points.at(v) + s1.on_rim(-n), s0.points.at(v) + s0.on_rim(-n), -1)) return true;
     for (int k = 0; k < tune::kRimLooks; k++) {
       const double angle = 2 * M_PI * k / tune::kRimLooks;
       const Vec3 d = elementary::cos(angle) * t + elementary::sin(angle) * b;
-      if (f(s1.points.at(v) + s1.on_rim(d), s0.points.at(v) + s0.on_rim(d))) return true;
+      if (f(s1.points.at(v) + s1.on_rim(d), s0.points.at(v) + s0.on_rim(d), -1)) return true;
     }
   }
   return false;
@@ -102,41 +102,82 @@ struct Extremes {
 
 }  // namespace
 
-bool Overhang::any(Poses& start, Poses& end, const ContactCandidate& c) const {
+bool Overhang::any(Poses& start, Poses& end, const ContactCandidate& c) {
   if (c.other_static < 0 || c.overlap >= 0 || c.dist < 0) return false;
   if (world_.shapes[c.shape].person >= 0) return false;
   if (world_.statics[c.other_static].kind == Static::Kind::HalfSpace) return false;
   const PosedShape &a0 = world_.place(start, c.shape), &a1 = world_.place(end, c.shape);
   const double radius = a1.hull->radius;
-  return any_point(a0, a1, c.n, [&](Vec3 at_end, Vec3 at_start) {
+  std::vector<Known>* vertices =
+      radius == 0 && a1.hull->rim == 0 ? &known(c, start, a0.points().n) : nullptr;
+  return any_point(a0, a1, c.n, [&](Vec3 at_end, Vec3 at_start, int v) {
     if (dot(c.n, at_end) - radius - c.offset >= c.target) return false;
-    return !over(c, at_start - radius * c.n);
+    return !(vertices ? over(c, at_start, (*vertices)[v]) : over(c, at_start - radius * c.n));
   });
 }
 
-bool Overhang::over(const ContactCandidate& c, Vec3 x) const {
-  const double gap = std::max(dot(c.n, x) - c.offset, 0.0) + tune::kOver;
+std::vector<Overhang::Known>& Overhang::known(const ContactCandidate& c, const Poses& start,
+                                              size_t vertices) {
+  if (known_stamp_ != start.stamp) known_.clear(), known_stamp_ = start.stamp;
+  for (StartDistances& k : known_)
+    if (k.shape == c.shape && k.other_static == c.other_static) return k.vertices;
+  known_.push_back({c.shape, c.other_static, std::vector<Known>(vertices)});
+  return known_.back().vertices;
+}
+
+// Above the candidate's plane, and a little more.
+double Overhang::height(const ContactCandidate& c, Vec3 x) const {
+  return std::max(dot(c.n, x) - c.offset, 0.0) + tune::kOver;
+}
+
+bool Overhang::over(const ContactCandidate& c, Vec3 x) { return within(c, x, height(c, x)); }
+
+bool Overhang::over(const ContactCandidate& c, Vec3 x, Known& known) {
+  const double gap = height(c, x);
+  if (gap > known.farther && gap < known.nearest)
+    (within(c, x, gap) ? known.nearest : known.farther) = gap;
+  return gap >= known.nearest;
+}
+
+// Is a point no farther from the static than this?
+bool Overhang::within(const ContactCandidate& c, Vec3 x, double distance) {
   const Fixed point(x);
   const Static& S = world_.statics[c.other_static];
-  if (S.kind == Static::Kind::Mesh) return S.tree->distance(point.posed, 2 * gap) <= gap;
-  return separate(point.posed, S.posed, gap, false, c.n).dist <= gap;
+  if (S.kind == Static::Kind::Mesh) return S.tree->nearer(point.posed, distance, tests_);
+  tests_ += tuning::geometry::kMeasureTests;
+  return separate(point.posed, S.posed, distance, false, c.n).dist <= distance;
 }
 
-Separation Overhang::at_end(Poses& start, Poses& end, const ContactCandidate& c) const {
-  const PosedShape &a0 = world_.place(start, c.shape), &a1 = world_.place(end, c.shape);
+Separation Overhang::at_end(Poses& start, Poses& end, const ContactCandidate& c) {
   const Static& S = world_.statics[c.other_static];
-  if (S.kind == Static::Kind::Hull) return separate(a1, S.posed, 1e300, true, c.n);
-  std::vector<Plane> planes;
-  const double known = S.tree->planes(a1, c.target + way(a0, a1), planes);
-  if (planes.empty()) return {known, c.n, {}, {}};
-  const Plane& nearest = *std::min_element(
-      planes.begin(), planes.end(), [](const Plane& p, const Plane& q) { return p.dist < q.dist; });
-  Vec3 v[3];
-  S.tree->triangle(nearest.triangle, v);
-  return separate(a1, Fixed(v).posed, 1e300, true, nearest.n);
+  if (S.kind == Static::Kind::Hull) {
+    tests_ += tuning::geometry::kMeasureTests;
+    return separate(world_.place(end, c.shape), S.posed, 1e300, false, c.n);
+  }
+  const EndDistance& e = from_mesh(start, end, c);
+  return e.nearest.dist < e.range ? e.nearest : Separation{e.range, c.n, {}, {}};
 }
 
-int Overhang::corners(Poses& start, const ContactCandidate& c, Vec3* pa, Vec3* pb) const {
+const Overhang::EndDistance& Overhang::from_mesh(Poses& start, Poses& end,
+                                                 const ContactCandidate& c) {
+  if (ends_stamp_ != end.stamp) ends_.clear(), ends_stamp_ = end.stamp;
+  for (const EndDistance& e : ends_)
+    if (e.shape == c.shape && e.other_static == c.other_static) return e;
+  const PosedShape &a0 = world_.place(start, c.shape), &a1 = world_.place(end, c.shape);
+  const TriangleTree& tree = *world_.statics[c.other_static].tree;
+  EndDistance e{
+      c.shape, c.other_static, world_.settings.clearance + way(a0, a1), {1e300, {}, {}, {}}};
+  Plane plane;
+  if (tree.nearest(a1, e.range, plane, tests_)) {
+    Vec3 v[3];
+    tree.triangle(plane.triangle, v);
+    e.nearest = separate(a1, Fixed(v).posed, 1e300, false, plane.n);
+  }
+  ends_.push_back(e);
+  return ends_.back();
+}
+
+int Overhang::corners(Poses& start, const ContactCandidate& c, Vec3* pa, Vec3* pb) {
   const PosedShape& a0 = world_.place(start, c.shape);
   const Static& S = world_.statics[c.other_static];
   if (S.kind == Static::Kind::Hull)
@@ -151,6 +192,7 @@ int Overhang::corners(Poses& start, const ContactCandidate& c, Vec3* pa, Vec3* p
     for (Vec3 x : v)
       near |= dot(c.n, x) > c.offset - tune::kFaceThickness, wider |= extremes.beyond(x);
     if (!near || !wider) continue;
+    tests_ += tuning::geometry::kMeasureTests;
     const Fixed triangle(v);
     Vec3 qa[kMostCorners], qb[kMostCorners];
     const int n =

@@ -23,12 +23,13 @@ struct BodySets {
 };
 
 // Bodies that bones connect without crossing the obstacle.
-BodySets connected_parts(const Model& m, const Kinematics& kin, const Obstacle& o, int root) {
+BodySets connected_parts(const Model& m, const Kinematics& kin, const Obstacle& o, int root,
+                         size_t& tests) {
   BodySets parts(m.nbody);
   for (int b = 1; b < m.nbody; b++) {
     if (m.root[b] != root || b == root) continue;
     const int p = m.parent[b];
-    if (!o.crosses(kin.xpos[p], kin.xpos[b])) parts.join(b, p);
+    if (!o.crosses(kin.xpos[p], kin.xpos[b], tests)) parts.join(b, p);
   }
   return parts;
 }
@@ -53,9 +54,9 @@ int main_part(const Model& m, const Kinematics& kin, const Obstacle& o, int root
 
 std::vector<OverlapGroup> overlap_groups(const CollisionWorld& world, const Model& m, Poses& start,
                                          const Obstacle& o, int root,
-                                         const std::vector<int>& overlapping) {
+                                         const std::vector<int>& overlapping, size_t& tests) {
   const std::vector<CollisionShape>& shapes = world.shapes;
-  BodySets parts = connected_parts(m, start.kin, o, root), groups(m.nbody);
+  BodySets parts = connected_parts(m, start.kin, o, root, tests), groups(m.nbody);
   const int main = main_part(m, start.kin, o, root, parts);
   std::vector<char> in(shapes.size(), 0), body_in(m.nbody, 0);
   for (int i : overlapping) in[i] = 1;

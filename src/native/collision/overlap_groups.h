@@ -20,9 +20,10 @@ struct OverlapGroup {
   std::vector<char> stays;  // per body: its joint is on the right side already
 };
 
-// The groups of one tree (`root`: its first body) and one obstacle that some of its shapes overlap.
+// The groups of one tree (`root`: its first body) and one obstacle that some of its shapes overlap. What
+// it costs is added to `tests` (geometry/bvh.h).
 std::vector<OverlapGroup> overlap_groups(const CollisionWorld& world, const Model& m, Poses& start,
                                          const Obstacle& o, int root,
-                                         const std::vector<int>& overlapping);
+                                         const std::vector<int>& overlapping, size_t& tests);
 
 }  // namespace hp

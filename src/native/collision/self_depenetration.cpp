@@ -65,9 +65,10 @@ void SelfDepenetration::choose_directions(const Model& m, Poses& start) {
     for (size_t k : group)
       guesses.push_back(all[k].sign * (world_.place(start, all[k].shape).center -
                                        world_.place(start, all[k].other).center));
-    auto least_apart = [&](Vec3 n) {
+    auto least_apart = [&](Vec3 n, double most) {
       double least = 1e300;
       for (size_t k : group) {
+        if (least < most) break;
         const Vec3 d = all[k].sign * n;
         least = std::min(least, world_.place(start, all[k].shape).lowest(d) -
                                     world_.place(start, all[k].other).highest(d));

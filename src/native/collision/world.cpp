@@ -1,5 +1,7 @@
 #include "collision/world.h"
 
+#include <limits>
+
 #include "geometry/separation.h"
 
 namespace hp {
@@ -37,7 +39,7 @@ void World::reset(const Model& m, Poses& start) {
   broad_phase.update(m, start, reach, depenetration.overlaps());
   const std::vector<PairId> found = initial_overlaps(start);
   if (!found.empty()) {
-    depenetration.begin(m, start, found);
+    depenetration.begin(m, start, found, std::numeric_limits<size_t>::max());
     broad_phase.invalidate();  // shapes that are cut off are to be listed too
     broad_phase.update(m, start, reach, depenetration.overlaps());
   }
@@ -46,6 +48,7 @@ void World::reset(const Model& m, Poses& start) {
   narrow_phase.gather(m, start, reach, 1.0, near);
   self_depenetration.reset(m, start);
   for (const ContactCandidate& c : near) remember_pair(c);
+  take_tests();  // of no frame
 }
 
 // What touches, to within the rounding of files, rests there; what overlaps by more comes out.

@@ -49,8 +49,9 @@ class World : public CollisionWorld {
   PeopleParting parting{*this};
   NarrowPhase narrow_phase{*this,         broad_phase,      pair_states, targets,
                            depenetration, prescribed_exits, parting,     self_depenetration};
-  ContactPoints contact_points{*this};
-  GapCheck gap_check{*this};
+  Overhang overhang{*this};
+  ContactPoints contact_points{*this, overhang};
+  GapCheck gap_check{*this, overhang};
   EndCheck end_check{*this, broad_phase, pair_states, depenetration, parting};
 
   // No point of a shape travels farther between two poses than `way`, seen from the shape's root
@@ -61,6 +62,11 @@ class World : public CollisionWorld {
     if (self_contact()) travel_bounds_in_root_frame(shapes, m, from, to, active, way);
   }
 
+  // Tests of searches (geometry/bvh.h) since this was last asked.
+  size_t take_tests() {
+    return narrow_phase.take_tests() + depenetration.take_tests() + gap_check.take_tests() +
+           overhang.take_tests() + end_check.take_tests();
+  }
   // The simulation starts here: remembers the pairs that are nearer than the clearance or overlap,
   // and how the latter are resolved.
   void reset(const Model& m, Poses& start);

@@ -15,6 +15,7 @@ void ContactProblem::clear(double most_work) {
   beta.clear();
   p.clear();
   local_.clear();
+  normals_.clear();
   group_count_ = 0;
 }
 
@@ -69,7 +70,7 @@ void ContactProblem::product() {
     if (f == 0) continue;
     add_scaled(w, f, A.row(i), n3);
   }
-  budget.spend((double)n3 * n3);
+  budget.spend(tune::kProductWork * n3 * n3);
 }
 
 void ContactProblem::project() {
@@ -121,7 +122,7 @@ void ContactProblem::settle(Group& g, double tolerance) {
       double* own = own_.data();
       for (int j = 0; j < m3; j++) own[j] += d.x * r0[j] + d.y * r1[j] + d.z * r2[j];
     }
-    budget.spend(m3 * m3);
+    budget.spend(m3 * m3 + tune::kContactWork * m);
     if (m == 1 || change < tolerance) break;
   }
   const int n3 = 3 * size();
@@ -138,6 +139,7 @@ void ContactProblem::settle(Group& g, double tolerance) {
 }
 
 void ContactProblem::judge(Progress& at, SolveReport& report) {
+  budget.spend(tune::kContactWork * size());
   report.residual = residual(false);
   if (report.residual < at.least) at.least = report.residual, best_ = p;
 }

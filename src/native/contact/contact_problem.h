@@ -112,6 +112,8 @@ class ContactProblem {
   void settle_normals(double tolerance, SolveReport& report);
   void drop_driving_friction(double tolerance, SolveReport& report);
   void solve_normals(double tolerance);
+  void gather_normals();
+  void normal_rows();
   void solve_active();
   int find_wrong(double tolerance, int& last);
   void product();  // w_ = beta + A p
@@ -133,7 +135,7 @@ class ContactProblem {
   std::vector<int> unknown_, place_;  // rows of A of a step's unknowns, and the other way round
   std::vector<double> matrix_, right_, start_;
   // Of the normal rows alone.
-  std::vector<double> q_, x_, least_pivot_;
+  std::vector<double> normals_, q_, x_, least_pivot_;
   std::vector<char> active_, wrong_;
 };
 

@@ -9,26 +9,52 @@ namespace hp {
 
 namespace tune = tuning::contact;
 
-// A p_n = -q on the active contacts, 0 on the others, into x_.
+// The normal rows and columns of A, which is symmetric, by themselves.
+void ContactProblem::gather_normals() {
+  const int n = size();
+  if (normals_.size() == (size_t)n * n) return;
+  normals_.resize((size_t)n * n);
+  for (int i = 0; i < n; i++) {
+    const double* row = A.row(3 * i);
+    for (int j = 0; j < n; j++) normals_[(size_t)i * n + j] = row[3 * j];
+  }
+  budget.spend(tune::kScatteredWork * n * n);
+}
+
+// The equations A p_n = -q of the active contacts, into matrix_ and right_.
+void ContactProblem::normal_rows() {
+  const int n = size(), k = (int)set_.size();
+  matrix_.resize((size_t)k * k);
+  right_.resize(k);
+  for (int a = 0; a < k; a++) {
+    const double* row = &normals_[(size_t)set_[a] * n];
+    double* out = &matrix_[(size_t)a * k];
+    for (int b = 0; b < k; b++) out[b] = row[set_[b]];
+    out[a] *= 1 + tune::kCompliance;
+    right_[a] = -q_[set_[a]];
+  }
+}
+
+// Their answer, and 0 for the others, into x_.
 void ContactProblem::solve_active() {
   const int n = size();
   set_.clear();
   for (int i = 0; i < n; i++)
     if (active_[i]) set_.push_back(i);
   const int k = (int)set_.size();
-  matrix_.resize((size_t)k * k);
-  right_.resize(k);
+  budget.spend((double)k * k * k / 3 + tune::kScatteredWork * k * n);
+  normal_rows();
   least_pivot_.resize(k);
+  double least = 0;
   for (int a = 0; a < k; a++) {
-    const double diagonal = *A.block(set_[a], set_[a]);
-    for (int b = 0; b < a; b++) matrix_[(size_t)a * k + b] = *A.block(set_[a], set_[b]);
-    matrix_[(size_t)a * (k + 1)] = diagonal * (1 + tune::kCompliance);
-    least_pivot_[a] = tune::kCholeskyPivot * diagonal;
-    right_[a] = -q_[set_[a]];
+    least_pivot_[a] = tune::kCholeskyPivot * matrix_[(size_t)a * (k + 1)];
+    least = std::max(least, least_pivot_[a]);
   }
-  budget.spend((double)k * k * k / 6 + 2.0 * k * n);
-  factor_cholesky(matrix_.data(), k, least_pivot_.data());
-  solve_cholesky(matrix_.data(), k, right_.data());
+  if (!solve_mixed(matrix_.data(), k, k, least, right_.data())) {  // rounding has used up a pivot
+    normal_rows();
+    factor_cholesky(matrix_.data(), k, least_pivot_.data());
+    solve_cholesky(matrix_.data(), k, right_.data());
+  }
   x_.assign(n, 0);
   for (int a = 0; a < k; a++) x_[set_[a]] = right_[a];
 }
@@ -45,8 +71,9 @@ int ContactProblem::find_wrong(double tolerance, int& last) {
     if (active_[i]) {
       wrong_[i] = x_[i] < -tune::kPull * largest;
     } else {
+      const double* row = &normals_[(size_t)i * n];
       double y = q_[i];
-      for (int j : set_) y += *A.block(i, j) * x_[j];
+      for (int j : set_) y += row[j] * x_[j];
       wrong_[i] = y < -tolerance;
     }
     if (wrong_[i]) wrong++, last = i;
@@ -58,6 +85,7 @@ int ContactProblem::find_wrong(double tolerance, int& last) {
 // normal rows: block principal pivoting, with single pivots where blocks cycle.
 void ContactProblem::solve_normals(double tolerance) {
   const int n = size();
+  gather_normals();
   q_.resize(n);
   x_.assign(n, 0);
   active_.resize(n);

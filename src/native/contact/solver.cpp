@@ -90,7 +90,7 @@ void ContactSolver::fill_blocks(int n) {
   const size_t stride = problem_.A.stride();
   for (int i = row.first; i < row.first + row.count; i++)
     for (int q = 0; q < 3; q++) scatter_[4 * dof_[i] + q] = y_[4 * i + q];
-  problem_.budget.spend(12.0 * y_.size() / 4);
+  problem_.budget.spend(tune::kJoinWork + 4.0 * y_.size());
   for (int j = 0; j <= n; j++) {
     const Row& other = rows_[j];
     double s[12];

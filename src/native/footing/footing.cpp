@@ -62,7 +62,7 @@ bool Footing::wanted_height(double& height, bool starts) const {
   for (size_t f = 0; f < under_.feet.size(); f++) {
     const Stance::Foot& foot = stance_.feet[f];
     const double lift = std::clamp(from, under_.feet[f].least, under_.feet[f].lift);
-    const double carries = stance_.drags ? foot.low : foot.rests;
+    const double carries = stance_.carries(foot);
     if (!under_.feet[f].grounded || carries < tune::kAtRestShare) continue;
     const bool new_there = !starts && !stance_.drags && foot.rested < tune::kRestTime;
     if (new_there && lift < height_ - tune::kFar) continue;
@@ -124,7 +124,7 @@ double Footing::wanted_lift(size_t leg, double height, double rose, double rises
   if (under.grounded) {
     up = under.lift - height;
     // The lowest foot of a dance on sliding feet carries, and does not pass over the ground.
-    const double carries = stance_.drags ? std::max(foot.rests, foot.low) : foot.rests;
+    const double carries = std::max(foot.rests, stance_.carries(foot));
     const double swings = (1 - carries) * tune::kSwingGap;
     if (up > -swings) up += swings;
     const bool far =
@@ -340,7 +340,7 @@ bool Footing::bears(int toes) const {
     const Underfoot::Foot& under = under_.feet[f];
     const bool near = under.lift > height_ + lift_[f] - tune::kBears;
     const Stance::Foot& foot = stance_.feet[f];
-    const double carries = stance_.drags ? foot.low : foot.rests;
+    const double carries = stance_.carries(foot);
     return under.grounded && near && !footwork_.steps(f) && carries > 0;
   }
   return false;

@@ -53,6 +53,8 @@ class Stance {
   const Kinematics& body() const { return tilts_ ? tilted_ : kin; }
   bool tilts() const { return tilts_; }
   bool flies() const { return flight_.flies(); }
+  // How much of what carries somebody a foot is: 0 to 1.
+  double carries(const Foot& foot) const { return drags ? foot.low : foot.rests; }
   // Is a body of the model this person's?
   const char* own() const { return own_.data(); }
   Vec3 centre_of_mass(const Model& m) const;       // of the reference as it is seen [m]

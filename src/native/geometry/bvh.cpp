@@ -134,7 +134,8 @@ struct TriangleTree::PlaneSearch {
   const std::vector<int>& without;
   std::vector<Plane>& out;
   Scratch& s;
-  size_t tests = 0;  // of boxes and triangles against planes
+  size_t tests = 0;     // of boxes and triangles against planes
+  size_t measured = 0;  // triangles
 
   double run();  // the reach that the planes hold for
 
@@ -178,6 +179,7 @@ void TriangleTree::PlaneSearch::measure_old() {
     Vec3 v[3];
     tree.triangle(old.triangle, v);
     Plane p = plane_to(a, v, old.triangle, reach, old.n);
+    measured++;
     if (p.dist > reach) {
       s.out_of_reach.push_back(p);
     } else {
@@ -236,6 +238,7 @@ void TriangleTree::PlaneSearch::visit(const Entry& e) {
   if (it != s.known.end()) return take_turn(e, *it, v);
   if (triangle_settled(e, v)) return;
   Plane p = plane_to(a, v, t, reach);
+  measured++;
   if (p.dist > reach) {
     if (s.out_of_reach.size() < tune::kMostCullers) s.out_of_reach.push_back(p);
   } else if (!s.queue.heap.empty() && square(p) > s.queue.heap.front().d2) {
@@ -278,7 +281,7 @@ double TriangleTree::planes(const PosedShape& a, double reach, std::vector<Plane
   static thread_local PlaneSearch::Scratch scratch;
   PlaneSearch search{*this, a, reach, without, out, scratch};
   const double holds = search.run();
-  if (tests) *tests += search.tests;
+  if (tests) *tests += search.tests + tune::kMeasureTests * search.measured;
   return holds;
 }
 
@@ -292,15 +295,20 @@ struct TriangleTree::DistanceSearch {
   const TriangleTree& tree;
   const PosedShape& a;
   double best;
+  const double enough;  // nothing is sought that is nearer than this
   Scratch& s;
+  Plane nearest{};   // where `best` was found
+  size_t tests = 0;  // of boxes and triangles against planes, and what else costs as much
 
   void measure(int t, const Vec3 v[3]) {
+    tests += tune::kMeasureTests;
     Plane p = plane_to(a, v, t, std::max(best, 0.0));
-    best = std::min(best, p.dist);
+    if (p.dist < best) best = p.dist, nearest = p;
     if (!p.overlaps && norm2(p.n) > 0 && s.measured.size() < tune::kMostCullers)
       s.measured.push_back(p);
   }
   void push(int id) {
+    tests += tune::kBoxTests + s.measured.size();
     const Box3& box = tree.nodes_[id].box;
     double d2 = gap2(box, a.box());
     if (best > 0 && d2 > best * best) return;
@@ -309,10 +317,11 @@ struct TriangleTree::DistanceSearch {
     s.queue.push(d2, id);
   }
   void measure_leaf(const Node& node) {
-    for (int i = node.first; i < node.first + node.count; i++) {
+    for (int i = node.first; i < node.first + node.count && best >= enough; i++) {
       Vec3 v[3];
       tree.triangle(i, v);
       bool culled = false;
+      tests += s.measured.size();
       for (const Plane& p : s.measured) culled |= behind(p, v, 0);
       if (!culled) measure(i, v);
     }
@@ -326,7 +335,7 @@ struct TriangleTree::DistanceSearch {
       measure(p.triangle, v);
     }
     push(0);
-    while (!s.queue.heap.empty()) {
+    while (!s.queue.heap.empty() && best >= enough) {
       Entry e = s.queue.pop();
       if (e.d2 > 0 && (best <= 0 || e.d2 > best * best)) break;
       const Node& node = tree.nodes_[e.id];
@@ -344,7 +353,24 @@ struct TriangleTree::DistanceSearch {
 double TriangleTree::distance(const PosedShape& a, double range,
                               const std::vector<Plane>& near) const {
   static thread_local DistanceSearch::Scratch scratch;
-  return DistanceSearch{*this, a, range, scratch}.run(near);
+  return DistanceSearch{*this, a, range, -1e300, scratch}.run(near);
+}
+
+bool TriangleTree::nearer(const PosedShape& a, double range, size_t& tests) const {
+  static thread_local DistanceSearch::Scratch scratch;
+  DistanceSearch search{*this, a, range, range, scratch};
+  const bool found = search.run({}) < range;
+  tests += search.tests;
+  return found;
+}
+
+bool TriangleTree::nearest(const PosedShape& a, double range, Plane& out, size_t& tests) const {
+  static thread_local DistanceSearch::Scratch scratch;
+  DistanceSearch search{*this, a, range, -1e300, scratch};
+  const bool found = search.run({}) < range;
+  tests += search.tests;
+  if (found) out = search.nearest;
+  return found;
 }
 
 double TriangleTree::winding(Vec3 p) const {

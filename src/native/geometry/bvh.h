@@ -56,10 +56,16 @@ class TriangleTree {
   // Smallest distance of `a` from the triangles, up to `range`; `range` if none is nearer, <= 0
   // where it meets one. The triangles of `near` are measured first.
   double distance(const PosedShape& a, double range, const std::vector<Plane>& near = {}) const;
+  // Is a triangle nearer to `a` than `range`? The first one that is ends the search. What it costs is
+  // added to `tests`.
+  bool nearer(const PosedShape& a, double range, size_t& tests) const;
+  // The plane of the nearest triangle; false, and `out` as it was, if none is nearer than `range`.
+  bool nearest(const PosedShape& a, double range, Plane& out, size_t& tests) const;
   // A lower bound of the distance of `a` from the triangles, each of which some direction separates
   // from it; where none does, minus the depth. Directions are sought for up to `look`; the result
-  // does not depend on those of `axes`, but for the size of a positive bound.
-  double gap(const PosedShape& a, double look, SeparatingAxes& axes) const;
+  // does not depend on those of `axes`, but for the size of a positive bound. What it costs is added to
+  // `tests`.
+  double gap(const PosedShape& a, double look, SeparatingAxes& axes, size_t& tests) const;
 
   // Height of the highest triangle straight below `from` whose unit normal has a vertical part of over
   // `least_z`, up or down; -1e300: none.

@@ -67,7 +67,8 @@ struct Witnesses {
 
 }  // namespace
 
-double TriangleTree::gap(const PosedShape& a, double look, SeparatingAxes& axes) const {
+double TriangleTree::gap(const PosedShape& a, double look, SeparatingAxes& axes,
+                         size_t& tests) const {
   static thread_local std::vector<int> stack;
   Witnesses witnesses(a, axes);
   double least = 1e300;
@@ -75,6 +76,7 @@ double TriangleTree::gap(const PosedShape& a, double look, SeparatingAxes& axes)
   while (!stack.empty()) {
     const Node& node = nodes_[stack.back()];
     stack.pop_back();
+    tests += tune::kBoxTests;
     const double apart = witnesses.apart(node.box);
     if (apart > 0) {
       least = std::min(least, apart);
@@ -86,6 +88,7 @@ double TriangleTree::gap(const PosedShape& a, double look, SeparatingAxes& axes)
         Vec3 v[3];
         triangle(i, v);
         const double known = witnesses.apart(v);
+        tests += known > 0 ? tune::kBoxTests : tune::kMeasureTests;
         least = std::min(least, known > 0 ? known : witnesses.measure(v, look));
       }
     }

@@ -1,5 +1,6 @@
 #include "geometry/separation.h"
 
+#include "geometry/direction_bounds.h"
 #include "tuning.h"
 
 namespace hp {
@@ -18,9 +19,14 @@ namespace {
 struct BestDirection {
   const PosedShape &a, &b;
   Separation best;
+  DirectionBounds bounds;
 
-  BestDirection(const PosedShape& a, const PosedShape& b) : a(a), b(b) { best.dist = -1e300; }
+  BestDirection(const PosedShape& a, const PosedShape& b) : a(a), b(b), bounds(a, b) {
+    best.dist = -1e300;
+  }
   void consider(Vec3 n) {
+    if (bounds.under(n, best.dist)) return;
+    bounds.add(n);
     Separation s = separate_along(a, b, n);
     if (s.dist > best.dist) best = s;
   }
@@ -67,12 +73,16 @@ Separation separate(const PosedShape& a, const PosedShape& b, double beyond, boo
   if (norm2(guess) == 0) guess = a.center - b.center;
   double d = gjk(a.support(), b.support(), guess, pa, pb, beyond + round, hint);
   if (d > beyond + round) return {d - round, pa - pb, {}, {}};
-  BestDirection search(a, b);
+  Vec3 n;
+  Separation found;
   if (d > tune::kProvedApart) {
-    Vec3 n = (1 / d) * (pa - pb);
-    Separation found{d - round, n, pa - a.hull->radius * n, pb + b.hull->radius * n};
+    n = (1 / d) * (pa - pb);
+    found = {d - round, n, pa - a.hull->radius * n, pb + b.hull->radius * n};
     // Between flat ends of round shapes rounding tilts the line even farther off.
     if (d > tune::kNearFaces && a.hull->rim == 0 && b.hull->rim == 0) return found;
+  }
+  BestDirection search(a, b);
+  if (d > tune::kProvedApart) {
     search.consider_faces_along(n, d < tune::kTouching ? tune::kLikeTouching : tune::kLikeNear);
     if (search.best.dist >= found.dist - tune::kSameDistance) {
       found.n = search.best.n;

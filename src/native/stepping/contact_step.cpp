@@ -53,10 +53,10 @@ void ContactStep::estimate_reach(double h) {
     double& fastest = fastest_[system_.model.root[shape.body]];
     fastest = std::max(fastest, reach[i]);
   }
-  data_.attempt.moving = 0;
+  data_.attempt.posing = 0;
   for (size_t i = 0; i < reach.size(); i++) {
     const int b = world.shapes[i].body;
-    data_.attempt.moving += world.active[b] != 0;
+    if (world.active[b]) data_.attempt.posing += world.shapes[i].skin ? 1 : tune::kRigidPose;
     if (world.active[b])
       reach[i] = tune::kReachFactor *
                      std::max(reach[i], tune::kSharedReach * fastest_[system_.model.root[b]]) +
@@ -87,8 +87,7 @@ void ContactStep::find_candidates(double h) {
   relax(system_, attempt);
   int& most = data_.result.diagnostics.candidates;
   most = std::max(most, (int)attempt.candidates.size());
-  data_.budget.spend(tune::kPlaneWork * attempt.planes() +
-                     tune::kTestWork * world.narrow_phase.take_tests());
+  data_.budget.spend(tune::kPlaneWork * attempt.planes() + tune::kTestWork * world.take_tests());
 }
 
 void ContactStep::find_islands() {
@@ -177,6 +176,7 @@ void ContactStep::add_contacts(double h) {
       system_.world.contact_points.add(data_.cache.contacts(), start, end, attempt.candidates[i],
                                        (int)i, p.pass, attempt.contacts);
   }
+  data_.budget.spend(tune::kTestWork * system_.world.take_tests());
   data_.soft.linearise(system_, data_, h, twists_);
   for (size_t i = 0; i < attempt.contacts.size(); i++) {
     Contact& c = attempt.contacts[i];

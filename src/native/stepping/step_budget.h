@@ -15,9 +15,12 @@ namespace hp {
 class StepBudget {
  public:
   void begin_frame(int substeps, int people) {
-    frame_ = tuning::stepping::kFrameWork * std::max(1, people) *
-             std::max(1.0, (double)substeps / tuning::stepping::kFrameSubsteps);
+    given_ = frame_ = tuning::stepping::kFrameWork * std::max(1, people) *
+                      std::max(1.0, (double)substeps / tuning::stepping::kFrameSubsteps);
+    spent_ = 0;
   }
+  // The frame is made once more, from its start.
+  void begin_frame_again() { frame_ = given_; }
   // So many substeps of the frame are left, this one included.
   void begin_substep(int left) {
     const double share = std::max(1.0 / std::max(1, left), tuning::stepping::kSpikeShare);
@@ -25,7 +28,9 @@ class StepBudget {
     least_ = tuning::stepping::kWorkReserve * left_;
     whole_ = true;
   }
-  void spend(double work) { left_ -= work, frame_ -= work; }
+  void spend(double work) { left_ -= work, frame_ -= work, spent_ += work; }
+  // By the frame so far, in budgets of a frame.
+  double spent() const { return given_ > 0 ? spent_ / given_ : 0; }
   bool out() const { return left_ <= least_; }
   // An island may take a share of what is left for an attempt: where that fails, shorter steps follow.
   // The first attempt at the whole substep may take more.
@@ -45,6 +50,7 @@ class StepBudget {
   }
 
  private:
+  double given_ = 0, spent_ = 0;  // for the frame, by it
   double frame_ = 0, left_ = 0, least_ = 0, attempt_ = 0;
   bool whole_ = true;  // the next attempt is the first of its substep
 };

@@ -56,6 +56,7 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
   State& state = data_.state;
   const bool pieces = probe.keep_pieces;
   const size_t recorded = poses ? poses->size() : 0;
+  data_.budget.begin_frame(n, (int)system.drives.size());
   aiming_.begin(system, data_, targets, dt);
   paths_.begin(system, data_, dt, pieces);
   probe.pieces = pieces ? poses : nullptr;
@@ -87,6 +88,7 @@ void Stepper::step_beside_free(double dt, int n, std::vector<double>* poses) {
   if (poses) poses->resize(recorded);
   data_.result.clear(system.model.nbody);
   paths_.make_all_busy(system.model);
+  data_.budget.begin_frame_again();
   substeps(dt, n, poses);
 }
 
@@ -97,7 +99,6 @@ void Stepper::substeps(double dt, int n, std::vector<double>* poses) {
   for (int b = 1; b < model.nbody; b++) system.world.active[b] = busy[model.root[b]];
   for (Drive& d : system.drives)
     if (busy[d.body(0)]) d.begin_frame(system.drive_settings, state.qpos.data(), state.qvel.data());
-  data_.budget.begin_frame(n, (int)system.drives.size());
   for (int k = 0; k < n; k++) {
     const int parts = substep_.parts(dt / n);
     for (int i = 0; i < parts; i++) {

@@ -64,6 +64,8 @@ class Stepper {
   // Of every person: how far its reference is behind [s], and whether its target was corrected, 0 or 1
   // (footing.h); appended to `out`.
   void footing(std::vector<double>& out) const;
+  // What the last frame cost, in budgets of a frame (step_budget.h).
+  double frame_work() const { return data_.budget.spent(); }
   // Smallest distance of people from static geometry at the present pose, up to the range [m].
   double clearance();
   // Of any poses (poses x nq): distance and nearest static of every shape (poses x shapes), see

@@ -27,9 +27,10 @@ bool SubStepping::good() {
 // Overlaps at the end pose that its start did not have, whatever the candidates say.
 const std::vector<Breach>& SubStepping::breaches() {
   measure_way();
-  EndCheck& check = system_.world.end_check;
-  const std::vector<Breach>& found = check.find(data_.state.pose, data_.step.end, way_, inner_);
-  data_.budget.spend(tune::kCheckWork * check.take_asked());
+  World& world = system_.world;
+  const std::vector<Breach>& found =
+      world.end_check.find(data_.state.pose, data_.step.end, way_, inner_);
+  data_.budget.spend(tune::kTestWork * world.take_tests());
   return found;
 }
 
@@ -108,7 +109,7 @@ std::vector<char> SubStepping::clear(const std::vector<double>& at, double h) {
 std::vector<char> SubStepping::possible(const std::vector<double>& at, double h) {
   std::vector<char> ok;
   move_to(at, h, ok);
-  data_.budget.spend(tune::kPoseWork * data_.attempt.moving + tune::kCheckWork * suspects_.size());
+  data_.budget.spend(tune::kPoseWork * data_.attempt.posing + tune::kCheckWork * suspects_.size());
   for (size_t i : suspects_) check_gap(i, ok);
   if (suspect_end_) check_end(ok);
   check_ranges(ok);

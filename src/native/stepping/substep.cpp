@@ -41,6 +41,7 @@ void Substep::begin(double h) {
   world.narrow_phase.begin_substep();
   if (world.depenetration.any() && world.depenetration.reroute(model, state.pose))
     world.broad_phase.invalidate();
+  data_.budget.spend(tune::kTestWork * world.take_tests());
   if (world.self_contact()) world.self_depenetration.update(model, state.pose);
   if (probe.keep_times) probe.solve_times.push_back(0);
   probe.tracing = probe.keep_trace;

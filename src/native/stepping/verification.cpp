@@ -81,9 +81,12 @@ static double find_excess(System& system, Data& data, size_t i, bool slack) {
       system.model, start, end, candidates[i],
       slack ? std::max(0.0, allowed(system, data.attempt, candidates[i])) : 0.0);
   ContactCandidate& c = candidates[i];
-  if (!c.forgiven || c.triangle < 0 || c.searched ||
-      world.gap_check.mesh_clear(system.model, c, start, end))
-    return e;
+  const bool hides = c.forgiven && c.triangle >= 0 && !c.searched &&
+                     !world.gap_check.mesh_clear(system.model, c, start, end);
+  const double work = tune::kTestWork * world.take_tests();
+  data.budget.spend(work);
+  data.attempt.islands[c.island].work += work;
+  if (!hides) return e;
   // Where there are too many already it may not be crossed: the step is to be shorter.
   if (candidates.size() >= data.attempt.listed + tune::kMostHidden || data.budget.out())
     return world.gap_check.unforgiven(end, c);
@@ -108,7 +111,7 @@ bool search_hidden(System& system, Data& data, double h) {
                                             attempt.candidates);
   data.budget.spend(tune::kPlaneWork *
                         (attempt.hidden.size() + attempt.candidates.size() - before) +
-                    tune::kTestWork * system.world.narrow_phase.take_tests());
+                    tune::kTestWork * system.world.take_tests());
   attempt.hidden.clear();
   return attempt.candidates.size() > before;
 }

@@ -71,3 +71,32 @@ def test_a_small_number_of_planes_holds_for_the_whole_reach():
     planes, _, holds = _native.triangle_planes(vertices, faces, ball(), 0.0, NO_DISC, 0.05)
     assert holds == 0.05
     assert len(planes) > 64  # more than were once kept
+
+
+@pytest.mark.parametrize("count", [40, 700, 2500])
+def test_whether_a_triangle_is_nearer_than_a_range(count):
+    """The search that ends at the first one, and the one for the nearest, agree with coal."""
+    vertices, faces = around_a_ball(np.random.default_rng(count), count, near=0.002, far=0.02)
+    exact = distances(ball(), vertices[faces]).min()
+    for share in (0.5, 0.9, 0.999, 1.001, 1.1, 5.0):
+        reach = share * exact
+        nearer, dist = _native.triangle_nearest(vertices, faces, ball(), 0.0, NO_DISC, reach)
+        assert nearer == (share > 1.0)
+        assert dist == pytest.approx(min(reach, exact), abs=ROUNDING)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 0.9])
+def test_a_triangle_that_is_met_is_nearer_than_any_range(share):
+    """One triangle through the ball among many that are clear of it."""
+    vertices, faces = around_a_ball(np.random.default_rng(7), 300, near=0.002, far=0.02)
+    z = 0.1 * share
+    through = np.array([[-0.3, -0.3, z], [0.3, -0.3, z], [0.0, 0.4, z]])
+    n = len(vertices)
+    vertices, faces = (
+        np.concatenate([vertices, through]),
+        np.vstack([faces, [n, n + 1, n + 2]]),
+    )
+    for reach in (1e-5, 1e-3, 0.1):
+        nearer, dist = _native.triangle_nearest(vertices, faces, ball(), 0.0, NO_DISC, reach)
+        assert nearer
+        assert dist < 0.0

@@ -15,6 +15,8 @@ from support.judges.coal_shapes import coal_hull, coal_shape
 MICROMETRE = 1e-6
 #: At termination, GJK's bounds of a distance between two round shapes differ by this much [m].
 BOUNDS = 1e-8
+#: Rounding of a distance along a direction [m].
+ALONG = 1e-12
 #: The nearest points are separated along the normal; where several sides are equally near,
 #: GJK on thin triangles is less exact [m].
 WITNESS = 5e-5
@@ -147,6 +149,25 @@ def test_the_way_out_of_an_overlap_leads_out(deep):
         dist, normal, *_ = distance(moved, other)
         assert dist == pytest.approx(-deep, abs=1e-9)
         np.testing.assert_allclose(normal, [0.0, 0.0, 1.0], atol=1e-9)
+
+
+def test_the_way_out_of_an_overlap_is_the_shortest_along_all_normals():
+    """Directions that points of others rule out are not measured: none of them is the best."""
+    rng = np.random.default_rng(9)
+    overlaps = 0
+    for _ in range(200):
+        size = rng.uniform(0.01, 0.3, size=(2, 3))
+        a, b = (hull_collider(rng.normal(size=(rng.integers(4, 200), 3)) * s) for s in size)
+        b = b.moved(np.eye(3), rng.normal(size=3) * rng.choice([0.0, 0.02, 0.1]))
+        dist, normal, *_ = distance(a, b)
+        if dist > 0.0:
+            continue
+        overlaps += 1
+        normals = np.concatenate([-a.normals, b.normals, normal[None]])
+        apart = (a.vertices @ normals.T).min(axis=0) - (b.vertices @ normals.T).max(axis=0)
+        assert dist == pytest.approx(apart.max(), abs=ALONG)
+        assert dist == pytest.approx(apart[-1], abs=ALONG)
+    assert overlaps > 100
 
 
 def test_rounding_makes_no_overlap():

@@ -1,6 +1,8 @@
 // What a frame, its substeps and its attempts may cost.
 #include "stepping/step_budget.h"
 
+#include <cmath>
+
 #include "check.h"
 
 namespace tune = hp::tuning::stepping;
@@ -30,6 +32,9 @@ void a_frame_ends(int substeps, int people) {
       tune::kFrameWork * people * std::max(1.0, (double)substeps / tune::kFrameSubsteps);
   CHECK(spent <= most + substeps * tune::kLeastSolveWork);
   CHECK(spent > 0.5 * most);
+  CHECK(std::fabs(budget.spent() - spent / most) < 1e-9);
+  budget.begin_frame_again();
+  CHECK(std::fabs(budget.spent() - spent / most) < 1e-9);
 }
 
 void what_a_substep_leaves_is_left_to_the_next() {

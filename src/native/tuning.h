@@ -275,6 +275,9 @@ constexpr double kOnePlace = 1e-6;
 // A mesh is asked for distances up to this at least: 0 would ask for nothing [m].
 constexpr double kLeastRange = 1e-9;
 
+// Posing a shape that is not skin, as a share of posing one that is (step_budget.h).
+constexpr double kRigidPose = 0.1;
+
 // Self-contact
 
 // Directions of the lattice, some 15 degrees apart, and steps of the refinement; by how much the best
@@ -590,21 +593,22 @@ constexpr double kSameNormal = 0.95;
 
 // Budget (step_budget.h)
 
-// Multiplications of a frame of up to kFrameSubsteps substeps, for each person: some 40 ms, on a slow machine 70. What a
+// Multiplications of a frame of up to kFrameSubsteps substeps, for each person: 35 to 55 ms on a slow machine. What a
 // substep may take of what is left, at least; the share of that with which nothing is tried again; what
 // an island may take of what is left in the first attempt at it, in one at a shorter piece, and in a
 // solve. An island may take kLeastIslandWork in any attempt, and kLeastSolveWork in any solve: trouble
 // elsewhere, which leaves nothing, changes no bit of one that needs less. With half of it for an attempt,
 // scenes that need many short steps lost up to 97 % of the time; with a fifth for the first one a wall at
 // 10 m/s lost 1 %.
-constexpr double kFrameWork = 3.4e8, kSpikeShare = 0.4, kWorkReserve = 0.1;
+constexpr double kFrameWork = 2.6e8, kSpikeShare = 0.4, kWorkReserve = 0.1;
 constexpr double kWholeShare = 0.25, kAttemptShare = 0.1, kSolveShare = 0.25;
-constexpr double kLeastIslandWork = 1e7, kLeastSolveWork = 3e6;
+constexpr double kLeastIslandWork = 7.5e6, kLeastSolveWork = 3e6;
 constexpr int kFrameSubsteps = 8;
 // What posing a skin is taken to cost, checking a candidate at the end pose, finding it, and a test of a
-// search in a mesh [multiplications, of 0.125 ns]: measured times. Other shapes cost a share of a skin.
+// search in a mesh [multiplications, of 0.125 ns]: measured times; a candidate that no shape gets near
+// costs kBoundWork.
 constexpr double kPoseWork = 8e3, kCheckWork = 3e3, kPlaneWork = 8e3, kTestWork = 25;
-constexpr double kRigidPose = 0.1;
+constexpr double kBoundWork = 150;
 // Violated candidates, for each person, from which on contacts are made of the worst of each shape only,
 // kPatchPlanes of them with normals that differ by this cosine: the planes that bound a patch span it, the
 // rest of them is violated again in the next pass if that was not enough.

@@ -47,6 +47,7 @@ void Poses::restart(size_t shapes) {
   stamp = ++last;
   posed.resize(shapes);
   fresh.assign(shapes, 0);
+  placed = 0;
   features_.clear();
   spheres_.clear();
 }
@@ -65,6 +66,7 @@ const std::vector<double>& Poses::features(const Skin& s) {
 
 void Poses::place(const CollisionShape& m, int i) {
   fresh[i] = 1;
+  placed += m.skin ? 1 : tune::kRigidPose;
   if (m.skin)
     place_skin(m, posed[i]);
   else

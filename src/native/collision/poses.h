@@ -6,6 +6,7 @@
 // vertex by vertex (skin.h).
 #pragma once
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "collision/collision_shape.h"
@@ -25,6 +26,7 @@ struct Poses {
   std::vector<double> way;  // of an end pose: how far each dof has gone since the start
   std::vector<PosedShape> posed;
   std::vector<char> fresh;  // per shape: `posed` is of this pose
+  double placed = 0;        // what posing has cost since take_placed() was called, in skins
 
   // The kinematics have changed: nothing is posed yet.
   void restart(size_t shapes);
@@ -33,6 +35,8 @@ struct Poses {
     if (!fresh[i]) place(shapes[i], i);
     return posed[i];
   }
+
+  double take_placed() { return std::exchange(placed, 0.0); }
 
   // A sphere that holds all of a shape, found from its influences without posing it.
   BoundingSphere bounding_sphere(const CollisionShape& m) const;

@@ -53,10 +53,8 @@ void ContactStep::estimate_reach(double h) {
     double& fastest = fastest_[system_.model.root[shape.body]];
     fastest = std::max(fastest, reach[i]);
   }
-  data_.attempt.posing = 0;
   for (size_t i = 0; i < reach.size(); i++) {
     const int b = world.shapes[i].body;
-    if (world.active[b]) data_.attempt.posing += world.shapes[i].skin ? 1 : tune::kRigidPose;
     if (world.active[b])
       reach[i] = tune::kReachFactor *
                      std::max(reach[i], tune::kSharedReach * fastest_[system_.model.root[b]]) +

@@ -76,7 +76,6 @@ struct RangeRow {
 struct Attempt {
   std::vector<ContactCandidate> candidates;  // separating planes and pairs of shapes within reach
   size_t listed = 0;                         // candidates that there were at first
-  double posing = 0;        // what posing the shapes that take part costs, in skins
   std::vector<int> hidden;  // candidates, one a pair, behind whose crossed planes is to be searched
   std::vector<Contact> contacts;  // contact points
   std::vector<Contact> limits;    // rows of joint ranges, solved with the contacts
@@ -97,10 +96,6 @@ struct Attempt {
   size_t planes() const {
     return std::count_if(candidates.begin(), candidates.end(),
                          [](const ContactCandidate& c) { return c.known == Known::Plane; });
-  }
-  // What one check of all candidates at an end pose costs [multiplications].
-  double check_work() const {
-    return tuning::stepping::kPoseWork * posing + tuning::stepping::kCheckWork * planes();
   }
 };
 

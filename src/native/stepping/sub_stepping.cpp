@@ -94,10 +94,10 @@ std::vector<char> SubStepping::clear(const std::vector<double>& at, double h) {
   Attempt& attempt = data_.attempt;
   std::vector<char> ok;
   move_to(at, h, ok);
-  data_.budget.spend(attempt.check_work());
   for (size_t i = 0; i < attempt.candidates.size() || search_hidden(system_, data_, h); i++)
     if (!check_gap(i, ok) && std::find(suspects_.begin(), suspects_.end(), i) == suspects_.end())
       suspects_.push_back(i);
+  spend_on_poses(data_);
   check_end(ok);
   check_ranges(ok);
   suspect_end_ |= !breaches().empty();
@@ -109,8 +109,8 @@ std::vector<char> SubStepping::clear(const std::vector<double>& at, double h) {
 std::vector<char> SubStepping::possible(const std::vector<double>& at, double h) {
   std::vector<char> ok;
   move_to(at, h, ok);
-  data_.budget.spend(tune::kPoseWork * data_.attempt.posing + tune::kCheckWork * suspects_.size());
   for (size_t i : suspects_) check_gap(i, ok);
+  spend_on_poses(data_);
   if (suspect_end_) check_end(ok);
   check_ranges(ok);
   check_reach(ok);

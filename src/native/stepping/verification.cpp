@@ -83,7 +83,7 @@ static double find_excess(System& system, Data& data, size_t i, bool slack) {
   ContactCandidate& c = candidates[i];
   const bool hides = c.forgiven && c.triangle >= 0 && !c.searched &&
                      !world.gap_check.mesh_clear(system.model, c, start, end);
-  const double work = tune::kTestWork * world.take_tests();
+  const double work = tune::kCheckWork + tune::kTestWork * world.take_tests();
   data.budget.spend(work);
   data.attempt.islands[c.island].work += work;
   if (!hides) return e;
@@ -116,13 +116,18 @@ bool search_hidden(System& system, Data& data, double h) {
   return attempt.candidates.size() > before;
 }
 
+void spend_on_poses(Data& data) {
+  data.budget.spend(tune::kBoundWork * data.attempt.candidates.size() +
+                    tune::kPoseWork * data.step.end.take_placed());
+}
+
 void Verification::check(System& system, Data& data, double h) {
   Attempt& attempt = data.attempt;
-  data.budget.spend(attempt.check_work());
   for (IslandProgress& p : attempt.islands)
     if (p.open()) p.violated = false, p.worst = p.overdue = 0;
   for (size_t i = 0; i < attempt.candidates.size() || search_hidden(system, data, h); i++)
     check_candidate(system, data, i);
+  spend_on_poses(data);
   find_overdue(system, data);
 }
 
@@ -136,7 +141,6 @@ void Verification::check_first(System& system, Data& data, double h) {
   if (!begun || !std::all_of(all.begin(), all.end(), put_off))
     data.step.pose_end(system, data.step.v, h);
   if (!begun) return check(system, data, h);
-  data.budget.spend(attempt.check_work());
   const size_t known = recalled_.size();
   for (size_t i = 0; i < attempt.candidates.size() || search_hidden(system, data, h); i++) {
     const ContactCandidate& c = attempt.candidates[i];
@@ -149,6 +153,7 @@ void Verification::check_first(System& system, Data& data, double h) {
       check_candidate(system, data, i);
     }
   }
+  spend_on_poses(data);
   find_overdue(system, data);
 }
 
@@ -162,7 +167,6 @@ void Verification::check_candidate(System& system, Data& data, size_t i) {
   attempt.excess[i] = e;
   const ContactCandidate& c = attempt.candidates[i];
   IslandProgress& p = attempt.islands[island];
-  if (c.known == Known::Plane) p.work += tune::kCheckWork;
   p.worst = std::min(p.worst, e);
   const bool violated = e < -allowed(system, attempt, c);
   attempt.violated[i] = violated;

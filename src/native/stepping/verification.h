@@ -40,6 +40,8 @@ double excess(System& system, Data& data, size_t i);
 double excess_over_slack(System& system, Data& data, size_t i);
 // Appends the candidates that forgiven planes had hidden. True if there are any.
 bool search_hidden(System& system, Data& data, double h);
+// Charges the budget for what was posed at the end, and for the bounds of all candidates.
+void spend_on_poses(Data& data);
 
 // Where very many candidates of an island are violated, marks those alone that contacts are to be made
 // of: of each shape the worst, and others whose planes differ from them.

@@ -16,6 +16,7 @@ void Step::find_end(const System& system, const State& state, const std::vector<
                     double h) {
   end_qpos = state.qpos;
   integrate(system.model, end_qpos.data(), vel.data(), h, system.world.active.data());
+  end.placed = 0;  // what it was before is paid for
 }
 
 void Step::pose_end(const System& system, const std::vector<double>& vel, double h) {

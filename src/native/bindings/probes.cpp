@@ -276,34 +276,41 @@ auto convex_distance(Rows3 a, Rows3 normals_a, double ra, Doubles rim_a, Rows3 b
   return nb::make_tuple(s.dist, array(n), array(x), array(y));
 }
 
+// Triangles, and a convex shape that asks about them.
+struct TreeAndShape {
+  TriangleTree tree;
+  Convex hull;
+  PosedShape posed;
+  TreeAndShape(Rows3 vertices, Faces faces, Rows3 points, double radius, Doubles rim)
+      : tree(vertices.data(), (int)vertices.shape(0), faces.data(), (int)faces.shape(0)),
+        hull(convex(points, radius, rim)) {
+    posed.place(hull, {}, {});
+  }
+};
+
 // Planes (normal, offset, distance, triangle) between a convex shape and triangles, the smallest
 // distance, and the reach that the planes hold for.
 auto triangle_planes(Rows3 vertices, Faces faces, Rows3 hull, double radius, Doubles rim,
                      double reach) {
-  TriangleTree tree(vertices.data(), (int)vertices.shape(0), faces.data(), (int)faces.shape(0));
-  Convex A = convex(hull, radius, rim);
-  PosedShape p;
-  p.place(A, {}, {});
+  const TreeAndShape at(vertices, faces, hull, radius, rim);
   std::vector<Plane> planes;
-  const double holds = tree.planes(p, reach, planes);
+  const double holds = at.tree.planes(at.posed, reach, planes);
   std::vector<double> out;
   for (const Plane& q : planes) {
     push(out, q.n);
-    out.insert(out.end(), {q.offset, q.dist, (double)tree.face(q.triangle)});
+    out.insert(out.end(), {q.offset, q.dist, (double)at.tree.face(q.triangle)});
   }
-  return nb::make_tuple(array({planes.size(), 6}, out), tree.distance(p, reach), holds);
+  return nb::make_tuple(array({planes.size(), 6}, out), at.tree.distance(at.posed, reach), holds);
 }
 
 // Is a triangle nearer to a convex shape than `range`, and the distance of the nearest (`range` if none is)?
 auto triangle_nearest(Rows3 vertices, Faces faces, Rows3 hull, double radius, Doubles rim,
                       double range) {
-  TriangleTree tree(vertices.data(), (int)vertices.shape(0), faces.data(), (int)faces.shape(0));
-  Convex A = convex(hull, radius, rim);
-  PosedShape p;
-  p.place(A, {}, {});
+  const TreeAndShape at(vertices, faces, hull, radius, rim);
   size_t tests = 0;
   Plane plane;
-  const bool nearer = tree.nearer(p, range, tests), found = tree.nearest(p, range, plane, tests);
+  const bool nearer = at.tree.nearer(at.posed, range, tests),
+             found = at.tree.nearest(at.posed, range, plane, tests);
   if (nearer != found) throw std::logic_error("triangle_nearest: the two searches differ");
   return nb::make_tuple(nearer, found ? plane.dist : range);
 }
@@ -312,15 +319,12 @@ auto triangle_nearest(Rows3 vertices, Faces faces, Rows3 hull, double radius, Do
 // are directions that are tried first.
 double triangle_gap(Rows3 vertices, Faces faces, Rows3 hull, double radius, Doubles rim,
                     Rows3 axes) {
-  TriangleTree tree(vertices.data(), (int)vertices.shape(0), faces.data(), (int)faces.shape(0));
-  Convex A = convex(hull, radius, rim);
-  PosedShape p;
-  p.place(A, {}, {});
+  const TreeAndShape at(vertices, faces, hull, radius, rim);
   SeparatingAxes known;
   for (size_t k = 0; k < axes.shape(0) && k < SeparatingAxes::kMost; k++)
     known.n[k] = load3(axes.data() + 3 * k);
   size_t tests = 0;
-  return tree.gap(p, tuning::collision::kEndLook, known, tests);
+  return at.tree.gap(at.posed, tuning::collision::kEndLook, known, tests);
 }
 
 }  // namespace

@@ -848,6 +848,10 @@ constexpr double kSags = 1e-4, kMostSag = 0.03;
 // How far above its own height static geometry is a step for a sole [m], a stair and a half; and for
 // skin, which does not step; how far below a point a surface is looked for [m].
 constexpr double kStepUp = 0.25, kPressedIn = 0.06, kDeep = 3.0;
+// No step is higher above the person's lowest point than the first [m]: heels of a foot that swings, on the height that
+// a step has given, climbed on from a step to a seat. A foot that goes on resting takes up the second at most, a
+// low stair over whose edge it creeps: people who were pushed over the rung of a chair rose by 0.3 m in a squat.
+constexpr double kStepFrom = 0.3, kCreepsUp = 0.12;
 // Soles stand this far beyond the clearance [m], so that standing is no contact: some bulges of a hull
 // between its points, and sags on its way between two frames. With 0.2 mm a recorded walk touches the floor
 // in 21 of 152 frames, with 1 mm in 8, with 2 in none, and a frame that touches costs as much as fifty.
@@ -937,8 +941,9 @@ constexpr double kMostBehind = 0.25, kMostTurned = 0.35;
 constexpr double kMostStride = 0.45;
 // A foot at rest that is farther than this from where it is to be has been stopped, and stays there [m].
 constexpr double kStopped = 0.02;
-// How fast it then comes down, or up, and level [m/s, rad/s].
-constexpr double kSettles = 0.5, kSettlesTurn = 2;
+// How fast it then comes down, or up, and level [m/s, rad/s], at least; and the rate [1/s]: legs that were 0.8 m up
+// when their person came off a chair hung in the air for 1.4 s.
+constexpr double kSettles = 0.5, kSettlesTurn = 2, kSettlesRate = 8;
 // How fast a foot in the air gives up what it was held back by [m/s], and how far it was turned [rad/s].
 constexpr double kGiveUp = 1.5, kGiveUpTurn = 3;
 // Who moves steps from these on [m, rad]; who has come to rest puts the feet where they belong to these.

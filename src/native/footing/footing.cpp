@@ -44,8 +44,13 @@ void Footing::find_left(const Poses& poses, double dt) {
       turn = log_quat(by * now.xquat[ankle] * conjugate(to.foot));
       continue;
     }
-    up -= std::clamp(up, -tune::kSettles * dt, tune::kSettles * dt);
-    turn -= capped(turn, tune::kSettlesTurn * dt);
+    // Fast where nothing is in its way.
+    const int ankle = model->legs[f].ankle;
+    const bool free = norm(now.xpos[ankle] - placed_[f]) < tune::kStopped;
+    const double share = free ? 1 - elementary::exp(-tune::kSettlesRate * dt) : 0;
+    const double down = std::max(tune::kSettles * dt, share * std::fabs(up));
+    up -= std::clamp(up, -down, down);
+    turn -= capped(turn, std::max(tune::kSettlesTurn * dt, share * norm(turn)));
   }
 }
 
@@ -392,6 +397,7 @@ void Footing::save(std::vector<double>& out) const {
                          over_ground_ ? 1.0 : 0.0, on_ground_ ? 1.0 : 0.0, under_.highest(),
                          under_.skin_lift(), displaced_.x, displaced_.y, displaced_.z});
   for (const auto* v : {&lift_, &sinking_, &left_up_}) out.insert(out.end(), v->begin(), v->end());
+  for (size_t f = 0; f < lift_.size(); f++) out.push_back(under_.stands(f));
   for (const auto* v : {&left_turn_, &placed_})
     for (Vec3 x : *v) out.insert(out.end(), {x.x, x.y, x.z});
   stance_.save(out);
@@ -411,10 +417,12 @@ const double* Footing::load(const double* in) {
   if (!any) return end;
   height_ = in[0], rising_ = in[1], corrected_ = in[2] != 0;
   placed_known_ = in[3] != 0, over_ground_ = in[4] != 0, on_ground_ = in[5] != 0;
-  under_.restore(in[6], in[7]);
+  const double highest = in[6], skin_lift = in[7];
   displaced_ = load3(in + 8), in += 11;
-  for (auto* v : {&lift_, &sinking_, &left_up_})
+  std::vector<double> stands(lift_.size());
+  for (auto* v : {&lift_, &sinking_, &left_up_, &stands})
     for (double& x : *v) x = *in++;
+  under_.restore(highest, skin_lift, stands);
   for (auto* v : {&left_turn_, &placed_})
     for (Vec3& x : *v) x = load3(in), in += 3;
   in = stance_.load(in, *model);

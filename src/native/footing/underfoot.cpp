@@ -22,6 +22,13 @@ std::vector<double> soft_skin(const CollisionWorld& world) {
   return layer;
 }
 
+// How far above a point of a sole what it steps on may be, which is `high` above the person's lowest, and whose
+// foot rests on ground `stands` above it [m].
+double step_up(double high, double stands) {
+  const double swings = std::max(tune::kStepsOver, tune::kStepFrom - high);
+  return std::min({tune::kStepUp, swings, stands + tune::kCreepsUp});
+}
+
 }  // namespace
 
 void Underfoot::find(const CollisionWorld& world, Poses& poses, const FootingModel& model,
@@ -30,23 +37,32 @@ void Underfoot::find(const CollisionWorld& world, Poses& poses, const FootingMod
   SurfaceBelow below(world);
   size_t i = 0;
   ground.clear();
+  double lowest = 1e300;  // of the reference
+  for (const Vec3& x : stance.points) lowest = std::min(lowest, x.z);
+  const std::vector<Foot> before = std::move(feet);
   feet.assign(model.legs.size(), {});
   bearing.points.assign(stance.points.size(), {});
   for (size_t f = 0; f < model.legs.size(); f++) {
     // Steps are measured from where the motion has the foot: who stands on one does not climb the next.
     const Vec3 by = Vec3{displaced.x, displaced.y, height} + work.offset(f);
+    const bool rests = stance.feet[f].rests > tune::kAtRestShare;
+    const double from = rests && f < before.size() ? before[f].stands : 1e300;
+    double highest = -1e300;
     for (size_t n = 0; n < model.legs[f].sole.size(); n++, i++) {
       const Vec3 x = stance.points[i];
-      const Surface s = below.find_footing(poses, x + by, tune::kStepUp, tune::kDeep);
+      const double up = step_up(x.z - lowest, from - (x + by).z);
+      const Surface s = below.find_footing(poses, x + by, up, tune::kDeep);
       ground.push_back(s.found ? s.height + world.settings.clearance + tune::kSoleGap : -1e300);
       if (!s.found) continue;
       bearing.points[i] = {{0, 0, s.height}, s.shape, 1, s.layer > 0};
       feet[f].grounded = true;
+      highest = std::max(highest, s.height);
       feet[f].least = std::max(feet[f].least, ground.back() - x.z);
       const double top = s.layer > 0 ? s.top() - dips(s) : ground.back();
       feet[f].lift = std::max(feet[f].lift, top - x.z);
     }
     feet[f].least = std::min(feet[f].least, feet[f].lift);
+    if (rests && feet[f].grounded) feet[f].stands = highest;
   }
   // Skin is seen from where contacts hold the person up.
   find_skin(world, poses, model, stance,
@@ -102,8 +118,11 @@ bool Underfoot::lands(const CollisionWorld& world, Poses& poses, const Leg& leg,
   SurfaceBelow below(world);
   const Vec3 ankle = kin.xpos[leg.ankle];
   const Mat3 turned = to_matrix(exp_quat({0, 0, turn}));
+  double lowest = 1e300;
+  for (const SkinPoint& p : leg.sole) lowest = std::min(lowest, p.position(kin).z);
   for (const SkinPoint& p : leg.sole) {
-    const Vec3 x = ankle + turned * (p.position(kin) - ankle) + by;
+    Vec3 x = ankle + turned * (p.position(kin) - ankle) + by;
+    x.z = lowest + by.z;
     if (!below.find(poses, x, tune::kLandsUp, tune::kLandsDown).found) return false;
   }
   return true;

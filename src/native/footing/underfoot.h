@@ -17,6 +17,7 @@ class Underfoot {
     double lift = -1e300;   // how far up it must be put to stand on the highest surface there [m]
     double least = -1e300;  // the same of the frames of layers [m]
     bool grounded = false;  // there is one
+    double stands = 1e300;  // height of the ground on which it rests [m]; 1e300: it does not rest
     bool on_layer() const { return least < lift; }
   };
   std::vector<Foot> feet;  // per leg
@@ -24,7 +25,8 @@ class Underfoot {
       ground;  // where each point of the soles is to stand at least [m]; -1e300: anywhere
 
   // Looks below a stance that is at `displaced` and `height` above the reference [m], with its feet where
-  // `work` has them. What can carry is told to `bearing`.
+  // `work` has them. What can carry is told to `bearing`. A foot steps up where it swings: one that goes on
+  // resting stays down, whatever the body is pushed over.
   void find(const CollisionWorld& world, Poses& poses, const FootingModel& model,
             const Stance& stance, const Footwork& work, Vec3 displaced, double height,
             Bearing& bearing);
@@ -35,10 +37,14 @@ class Underfoot {
   double least_skin_lift() const { return std::min(least_skin_lift_, skin_lift_); }
   // Height of the highest ground under the feet; -1e300: none [m].
   double highest() const;
-  // What is known of a frame before.
-  void restore(double highest, double skin_lift) {
+  // Of the ground on which a foot rests; 1e300: it does not [m].
+  double stands(size_t foot) const { return foot < feet.size() ? feet[foot].stands : 1e300; }
+  // What is known of a frame before; `stands` of every foot.
+  void restore(double highest, double skin_lift, const std::vector<double>& stands) {
     ground.assign(1, highest);
     skin_lift_ = least_skin_lift_ = skin_lift;
+    feet.assign(stands.size(), {});
+    for (size_t f = 0; f < stands.size(); f++) feet[f].stands = stands[f];
   }
 
   // The least height at which nothing of a stance, its hands with the rest or not, is in static geometry that

@@ -294,8 +294,11 @@ def test_points_are_on_the_skin_and_cover_the_soles():
         assert sole[:, 1].min() < BODY.rest_vertices[:, 1].min() + 1e-3
 
 
-def pushed_aside(by=0.6, fps=60.0):
-    """Somebody who stands for 6 s, whom a slow wall pushes aside within 2 s and then leaves."""
+def pushed_aside(by=0.6, fps=60.0, bench=None):
+    """Somebody who stands for 6 s, whom a slow wall pushes aside within 2 s and then leaves.
+
+    `bench`: how high one is on the other side, and how far from the foot there [m].
+    """
     motion = standing(0.0, frames=int(6 * fps), fps=fps)
     scene = floor(top=-0.0012)
     t = np.arange(len(motion)) / fps
@@ -305,6 +308,11 @@ def pushed_aside(by=0.6, fps=60.0):
     start = motion.translation[0, 0] - reach - 0.06
     track = np.column_stack([start + way, np.zeros_like(t), np.full_like(t, 1.0)])
     scene.add_moving("wall", hp.Box((0.1, 2.0, 1.9)), track, fps=fps)
+    if bench:
+        high, away = bench
+        edge = BODY.vertices(motion[0])[FEET, 0].max() + away
+        box = hp.Box((0.5, 2.0, high))
+        scene.add_static("bench", box, position=(edge + 0.25, 0.0, high / 2.0))
     return hp.simulate(motion, scene, body=BODY)
 
 
@@ -324,6 +332,70 @@ def test_who_is_pushed_aside_steps_there_and_back():
         - BODY.joints(result.reference)[-1][[hp.JOINT_NAMES.index(f"{s}_ankle") for s in SIDES], :2]
     )
     assert np.linalg.norm(home, axis=1).max() < 0.04  # the feet are where they belong
+    assert not len(result.breaches)
+
+
+@pytest.mark.parametrize("bench", [(0.18, 0.02), (0.18, 0.15), (0.24, 0.15)])
+def test_who_is_pushed_over_a_bench_stays_on_the_ground(bench):
+    """Feet that rest do not step up: people rose by up to 0.18 m, with both feet in the air."""
+    result = pushed_aside(by=0.4, bench=bench)
+    off = result.motion.translation - result.reference.translation
+    assert off[:, 0].max() > 0.05
+    assert off[:, 2].max() < 0.01
+    assert lowest(result.motion, FEET).max() < 0.01
+    assert hp.metrics.unsupported_weight(result).percent == 0.0
+
+
+@pytest.mark.parametrize(("high", "steps"), [(0.28, True), (0.38, False)])
+def test_no_step_is_much_higher_than_the_lowest_foot(high, steps):
+    """A foot that swings to the side at a height of 0.14 m steps on what is up to 0.30 m high."""
+    fps, frames = 60.0, 120
+    motion = standing(0.0, frames=frames, fps=fps)
+    bent = np.array(motion.rotations)
+    hip, knee = (hp.JOINT_NAMES.index(f"left_{joint}") for joint in ("hip", "knee"))
+    bent[:, [hip, knee], 0] = [-1.0, 1.5]
+    bent[:, hip, 2] = np.interp(np.arange(frames) / fps, [0.5, 1.5], [0.0, 0.5])
+    motion = motion.with_frames(motion.translation, bent)
+    skin, scene = BODY.vertices(motion[0]), floor()
+    left = np.array([v for v in FEET if skin[v, 0] > 0.0])
+    edge = skin[left, 0].max() + 0.03
+    scene.add_static("bench", hp.Box((0.6, 2.0, high)), position=(edge + 0.3, 0.0, high / 2.0))
+    result = hp.simulate(motion, scene, body=BODY)
+    if steps:
+        assert STANDS[0] < lowest(result.motion, left)[-1] - high < 0.02
+    else:
+        assert lowest(result.motion, left).max() < 0.2
+    assert not len(result.breaches)
+
+
+def test_who_was_pushed_onto_a_low_bench_steps_down_again():
+    """How far down a step goes is measured from the lowest point of the sole, not from each."""
+    result = pushed_aside(by=0.4, bench=(0.08, 0.02))
+    off = result.motion.translation - result.reference.translation
+    assert off[:, 2].max() > 0.05
+    assert np.abs(off[-1]).max() < 0.005
+
+
+def test_a_leg_that_was_lifted_comes_down_at_once_when_nothing_is_under_it():
+    """Somebody waits at a wall with a foot on what rises, and falls away: 0.23 m up after 0.2 s."""
+    fps, frames = 60.0, 180
+    t = np.arange(frames) / fps
+    motion = standing(0.0, frames=frames, fps=fps)
+    way = t[:, None] * [0.0, -0.5, 0.0]
+    motion = motion.with_frames(motion.translation + way, motion.rotations)
+    skin, scene = BODY.vertices(motion[0]), floor()
+    wall = (0.0, skin[:, 1].min() - 0.35, 1.0)
+    scene.add_static("wall", hp.Box((3.0, 0.1, 2.0)), position=wall)
+    left = np.array([v for v in FEET if skin[v, 0] > 0.0])
+    under = np.tile(skin[left].mean(axis=0), (frames, 1))
+    under[:, 1] -= 0.3
+    falls = 1.9
+    under[:, 2] = np.interp(t, [0.0, 1.2, falls, falls + 0.04], [0.0, 0.0, 0.35, -0.1]) - 0.31
+    scene.add_moving("piston", hp.Box((0.16, 0.5, 0.6)), under, fps=fps)
+    result = hp.simulate(motion, scene, body=BODY)
+    high = lowest(result.motion, left)
+    assert high[round(falls * fps)] > 0.3
+    assert high[round((falls + 0.2) * fps)] < 0.1
     assert not len(result.breaches)
 
 

@@ -72,14 +72,12 @@ def rows_of(tmp_path_factory):
     return rows_of
 
 
-#: Steps that were shortened again and again, each 0.15 um deeper in a rod, 7 um in the end; and
-#: the gap that they keep now [mm]. The last gets 0.87 um deep in one step: up to 1 um the end check
-#: takes for rounding.
-CREPT = {
-    "throw-tumbling-rods-20x-30fps-N1-l0-tau0.02": -1e-4,
-    "throw-flailing-rods-10x-30fps-N1-l0-tau0.02": -1e-4,
-    "throw-flailing-rods-1x-30fps-N1-l10-tau0.02": -9e-4,
-}
+#: Steps that were shortened again and again, each 0.15 um deeper in a rod: 7 um in the end.
+CREPT = (
+    "throw-tumbling-rods-20x-30fps-N1-l0-tau0.02",
+    "throw-flailing-rods-10x-30fps-N1-l0-tau0.02",
+    "throw-flailing-rods-1x-30fps-N1-l10-tau0.02",
+)
 
 
 @pytest.mark.parametrize("wanted", CREPT)
@@ -87,7 +85,7 @@ def test_overlaps_do_not_creep(wanted):
     row = run(next(case for case in throw_cases() if case.id == wanted))
     assert row["shortened"] > 0
     assert row["ok"]
-    assert row["gap_mm"] > CREPT[wanted]
+    assert row["gap_mm"] > 0.0
 
 
 def complaints(rows, what):

@@ -442,13 +442,14 @@ constexpr double kCompliance = 1e-8;
 // Contacts that take part at most, and multiplications. What is not solved by then is reported. A
 // person inside a box took minutes a frame without a bound, a soup of triangles 10^10 multiplications
 // in one step. At 400 contacts A and its copies take 35 MB. The costliest solve of a limp body at a
-// wall, 52 contacts, takes 5.6e6, of two people who meet 2.8e6; 1e8 take some 50 ms.
+// wall takes 7.2e6, of two people who meet 5.5e6; 1e8 take some 20 ms.
 // From kManyJoined on those that are violated most join first.
 constexpr int kMostJoined = 400, kManyJoined = 100;
 constexpr double kSolveWork = 1e8;
-// What a number costs that is taken from between others, one of a long product, a contact on its own, and one
-// that joins, besides its products with the others: measured.
+// What a number costs that is taken from between others, one of a long product, a contact on its own, one
+// that joins, besides its products with the others, and an unknown of a Newton step: measured.
 constexpr double kScatteredWork = 4, kProductWork = 0.4, kContactWork = 80, kJoinWork = 2000;
+constexpr double kUnknownWork = 500;
 
 // The share of it that sweeps and Newton steps leave to the normal impulses alone.
 constexpr double kNormalShare = 0.25;
@@ -602,13 +603,15 @@ constexpr double kSameNormal = 0.95;
 // 10 m/s lost 1 %.
 constexpr double kFrameWork = 2.6e8, kSpikeShare = 0.4, kWorkReserve = 0.1;
 constexpr double kWholeShare = 0.25, kAttemptShare = 0.1, kSolveShare = 0.25;
-constexpr double kLeastIslandWork = 7.5e6, kLeastSolveWork = 3e6;
+constexpr double kLeastIslandWork = 7.5e6, kLeastSolveWork = 5e6;
 constexpr int kFrameSubsteps = 8;
 // What posing a skin is taken to cost, checking a candidate at the end pose, finding it, and a test of a
 // search in a mesh [multiplications, of 0.125 ns]: measured times; a candidate that no shape gets near
 // costs kBoundWork.
 constexpr double kPoseWork = 8e3, kCheckWork = 3e3, kPlaneWork = 8e3, kTestWork = 25;
 constexpr double kBoundWork = 150;
+// What a contact costs in a pass, and to be looked at for each violated candidate or new contact.
+constexpr double kPointWork = 4e3, kLookWork = 80;
 // Violated candidates, for each person, from which on contacts are made of the worst of each shape only,
 // kPatchPlanes of them with normals that differ by this cosine: the planes that bound a patch span it, the
 // rest of them is violated again in the next pass if that was not enough.

@@ -41,8 +41,9 @@ ROUNDING = 1e-6
 #: CPU time of a frame of one person, of two [s]; memory that stepping takes [MB].
 MOST_SECONDS = (0.05, 0.10)
 MOST_MEMORY = 50.0
-#: Work of a frame, in its budgets: what has begun when one ends is ended, in every substep.
-MOST_WORK = 2.5
+#: Work of a frame, in its budgets: what has begun when one ends is ended, and a few quiet attempts
+#: follow.
+MOST_WORK = 2.0
 #: A case stops after this much CPU time [s]: the old core took 40 s for a frame.
 PATIENCE = 120.0
 #: What fuzzing draws from.

@@ -38,14 +38,22 @@ SAMPLE = {
 }
 
 
-#: Of the fuzz.
-COSTLY = [
-    Case("thrown_at", 49000, fuzz=True),
-    Case("two_clearance", 3001, fuzz=True),
-    Case("slot", 21001, fuzz=True),
-    Case("mesh_stamp", 40002, fuzz=True),
-    Case("ring_net", 37000, fuzz=True),
-]
+#: Of the fuzz: (family, seed) -> frames until the costliest. The first frames of the first five
+#: took 0.2 to 0.7 s that no budget knew; the others cost 3 to 16 budgets, since whoever came out of
+#: something, was as strong as a human or turned fast tried again after the budget's end.
+COSTLY = {
+    ("thrown_at", 49000): 3,
+    ("two_clearance", 3001): 3,
+    ("slot", 21001): 3,
+    ("mesh_stamp", 40002): 3,
+    ("ring_net", 37000): 3,
+    ("object_pile", 159000): 8,
+    ("object_pile", 265002): 15,
+    ("thrown_at", 412001): 2,
+    ("two_and_things", 422002): 17,
+    ("heavy_on_light", 118001): 17,
+    ("limp_soup", 453000): 12,
+}
 
 
 def clearness(row):
@@ -61,11 +69,10 @@ def test_attacks_leave_everybody_clear(family):
     assert row["frames"] == SAMPLE[family]
 
 
-@pytest.mark.parametrize("case", COSTLY, ids=lambda case: case.id)
-def test_no_frame_costs_much_more_than_its_budget(case):
-    """People who start deep inside things, whose first frames once took 0.2 to 0.7 s. Of what is
-    charged; what is not, the CPU time of `campaigns.attacks` shows."""
-    row = run(case, 3, judge=False)
+@pytest.mark.parametrize(("family", "seed"), COSTLY)
+def test_no_frame_costs_much_more_than_its_budget(family, seed):
+    """Of what is charged; what is not, the CPU time of `campaigns.attacks` shows."""
+    row = run(Case(family, seed, fuzz=True), COSTLY[family, seed], judge=False)
     assert row["work"] <= MOST_WORK
 
 

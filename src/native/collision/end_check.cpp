@@ -93,6 +93,7 @@ const std::vector<Breach>& EndCheck::find(Poses& start, Poses& end, const std::v
   if (stamp_ == end.stamp) return found_;
   stamp_ = end.stamp;
   found_.clear();
+  pairs_.clear();
   measured_.clear();
   std::vector<BroadPhasePair>& pairs = broad_phase_.pairs();
   for (size_t i = 0; i < pairs.size(); i++) {
@@ -108,10 +109,18 @@ const std::vector<Breach>& EndCheck::find(Poses& start, Poses& end, const std::v
     const double left = e.own ? 0.0 : room_at(start, e) - went;
     const double now = left > 0 ? left : gap(end, e, e.axes);
     measured_.push_back({i, std::max(0.0, now)});
-    if (breached(start, e, now)) found_.push_back({{e.shape, e.other_static, e.other_shape}, -now});
+    if (!breached(start, e, now)) continue;
+    found_.push_back({{e.shape, e.other_static, e.other_shape}, -now});
+    pairs_.push_back(i);
   }
   tests_ += tune::kLookTests * measured_.size();
   return found_;
+}
+
+bool EndCheck::breached_at(Poses& start, Poses& end, size_t pair) {
+  BroadPhasePair& e = broad_phase_.pairs()[pair];
+  tests_ += tune::kLookTests;
+  return breached(start, e, gap(end, e, e.axes));
 }
 
 void EndCheck::commit() {

@@ -42,6 +42,10 @@ class EndCheck {
   // root `inner` (empty without self-contact). Once per end pose.
   const std::vector<Breach>& find(Poses& start, Poses& end, const std::vector<double>& way,
                                   const std::vector<double>& inner);
+  // Indices of their pairs in the broad phase's list.
+  const std::vector<size_t>& pairs() const { return pairs_; }
+  // Is such a pair breached at another end, too?
+  bool breached_at(Poses& start, Poses& end, size_t pair);
   // What has been spent since this was last asked (geometry/bvh.h).
   size_t take_tests() { return std::exchange(tests_, 0); }
   // The end that was looked at last is the pose from now on, and the broad phase knows.
@@ -59,6 +63,7 @@ class EndCheck {
   Depenetration& depenetration_;
   const PeopleParting& parting_;
   std::vector<Breach> found_;
+  std::vector<size_t> pairs_;
   struct Measured {
     size_t pair;  // index into the list
     double room;

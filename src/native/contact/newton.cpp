@@ -127,7 +127,8 @@ bool ContactProblem::newton_step(double damping, double bound) {
   start_ = p;
   drop_unloaded();
   const int m = (int)set_.size(), m3 = 3 * m;
-  const double cost = (double)m3 * m3 * m3 / 3 + 2 * tune::kScatteredWork * m3 * m3;
+  const double cost =
+      (double)m3 * m3 * m3 / 3 + 2 * tune::kScatteredWork * m3 * m3 + tune::kUnknownWork * m3;
   if (!budget.affords(cost)) {
     barred_ = true;
     p = start_;

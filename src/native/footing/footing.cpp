@@ -36,8 +36,8 @@ void Footing::find_left(const Poses& poses, double dt) {
   for (size_t f = 0; f < model->legs.size(); f++) {
     double& up = left_up_[f];
     Vec3& turn = left_turn_[f];
+    const int ankle = model->legs[f].ankle;
     if (footwork_.stopped(f)) {
-      const int ankle = model->legs[f].ankle;
       up = 0, turn = {};
       const Leg::Place to = place(f);
       up = (body.xpos[root] + to_matrix(by) * (now.xpos[ankle] - now.xpos[root])).z - to.ankle.z;
@@ -45,7 +45,6 @@ void Footing::find_left(const Poses& poses, double dt) {
       continue;
     }
     // Fast where nothing is in its way.
-    const int ankle = model->legs[f].ankle;
     const bool free = norm(now.xpos[ankle] - placed_[f]) < tune::kStopped;
     const double share = free ? 1 - elementary::exp(-tune::kSettlesRate * dt) : 0;
     const double down = std::max(tune::kSettles * dt, share * std::fabs(up));

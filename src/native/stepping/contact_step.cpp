@@ -166,15 +166,19 @@ void ContactStep::add_contacts(double h) {
   body_twists(system_.model, start.kin, data_.step.v.data(), twists_);
   if (attempt.contacts.size() > tune::kMostContactPoints) drop_idle();
   const size_t old = attempt.contacts.size();
+  double work = 0;
   for (int b = 1; b < system_.model.nbody; b++)
     if (attempt.islands[b].open()) thin_out(system_, data_, b);
   for (size_t i = 0; i < attempt.candidates.size(); i++) {
     const IslandProgress& p = attempt.islands[attempt.candidates[i].island];
-    if (p.open() && attempt.violated[i])
-      system_.world.contact_points.add(data_.cache.contacts(), start, end, attempt.candidates[i],
-                                       (int)i, p.pass, attempt.contacts);
+    if (!p.open() || !attempt.violated[i]) continue;
+    work += tune::kPointWork + tune::kLookWork * attempt.contacts.size();
+    system_.world.contact_points.add(data_.cache.contacts(), start, end, attempt.candidates[i],
+                                     (int)i, p.pass, attempt.contacts);
   }
-  data_.budget.spend(tune::kTestWork * system_.world.take_tests());
+  work += tune::kPointWork * attempt.contacts.size() +
+          tune::kLookWork * (attempt.contacts.size() - old) * data_.cache.contacts().size();
+  data_.budget.spend(tune::kTestWork * system_.world.take_tests() + work);
   data_.soft.linearise(system_, data_, h, twists_);
   for (size_t i = 0; i < attempt.contacts.size(); i++) {
     Contact& c = attempt.contacts[i];

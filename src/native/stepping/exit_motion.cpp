@@ -26,7 +26,8 @@ void ExitMotion::give_up(World& world) {
   world.depenetration.growth = 0;
 }
 
-// By how much the fastest point of the trees that come out of something is faster than asked [m/s].
+// By how much the fastest point of the trees that come out of something is faster than asked; kExitSpeed
+// if none is by more [m/s].
 double ExitMotion::excess_speed(System& system, Data& data) {
   const Model& model = system.model;
   const World& world = system.world;
@@ -35,13 +36,16 @@ double ExitMotion::excess_speed(System& system, Data& data) {
   for (const Drive& d : system.drives) d.reference(asked.data());
   body_twists(model, data.state.pose.kin, data.step.v.data(), twists_);
   body_twists(model, data.state.pose.kin, asked.data(), asked_);
+  std::vector<Twist> beside(asked_);
+  for (size_t b = 0; b < beside.size(); b++)
+    beside[b].w = twists_[b].w - asked_[b].w, beside[b].v = twists_[b].v - asked_[b].v;
   std::vector<char> tree(model.nbody, 0);
   for (const InitialOverlap& in : world.depenetration.overlaps()) tree[system.tree(in.shape)] = 1;
-  double fastest = 0;
+  double fastest = tune::kExitSpeed;
   for (size_t i = 0; i < world.shapes.size(); i++) {
     const CollisionShape& m = world.shapes[i];
     if (!tree[model.root[m.body]] || !world.active[m.body]) continue;
-    if (system.speed_bound(data.state.pose.kin, m, twists_) <= fastest) continue;
+    if (system.speed_bound(data.state.pose.kin, m, beside) <= fastest) continue;
     fastest = fastest_point(system, data, (int)i, fastest);
   }
   return fastest;

@@ -24,7 +24,8 @@ void StepAttempts::run_prescribed(double h) {
 void StepAttempts::run_exits(double h) {
   World& world = system_.world;
   if (!exit_.begin(world)) return contact_step_.run(h);
-  for (int k = 0; k < tuning::stepping::kExitTries; k++) {
+  // Where the budget has ended they come out no farther in this step.
+  for (int k = 0; k < tuning::stepping::kExitTries && !data_.budget.out(); k++) {
     contact_step_.run(h);
     if (exit_.accept(system_, data_)) return;
   }

@@ -4,7 +4,8 @@
 // A frame has a budget for every person in it. A substep may take its share of what is left of that, or
 // kSpikeShare of it where that is more; what it does not take is left to the substeps after it. Where
 // the budget of a substep ends, nothing is tried again: the step is shortened to what is verified, and
-// the rest of it is lost (sub_stepping.h).
+// the rest of it is lost (sub_stepping.h). Even that costs, in every substep: where the budget of the
+// frame has ended, the substeps that are left are joined to as few as time allows (stepper.cpp).
 #pragma once
 #include <algorithm>
 
@@ -32,6 +33,8 @@ class StepBudget {
   // By the frame so far, in budgets of a frame.
   double spent() const { return given_ > 0 ? spent_ / given_ : 0; }
   bool out() const { return left_ <= least_; }
+  // Nothing to speak of is left for any substep of the frame.
+  bool frame_out() const { return frame_ <= tuning::stepping::kWorkReserve * given_; }
   // An island may take a share of what is left for an attempt: where that fails, shorter steps follow.
   // The first attempt at the whole substep may take more.
   void begin_attempt() {

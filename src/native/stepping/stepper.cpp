@@ -92,6 +92,16 @@ void Stepper::step_beside_free(double dt, int n, std::vector<double>* poses) {
   substeps(dt, n, poses);
 }
 
+// How many of the n substeps of length h, from number k on, are made as one: more only where the frame's
+// budget has ended, so many that it begins at a multiple of its length, as the drive counts, and that
+// nothing turns too far in it.
+int Stepper::joined_substeps(int k, int n, double h) const {
+  if (!data_.budget.frame_out()) return 1;
+  for (int joined = n - k; joined > 1; joined--)
+    if (n % joined == 0 && k % joined == 0 && substep_.parts(joined * h) == 1) return joined;
+  return 1;
+}
+
 void Stepper::substeps(double dt, int n, std::vector<double>* poses) {
   State& state = data_.state;
   const Model& model = system.model;
@@ -99,14 +109,19 @@ void Stepper::substeps(double dt, int n, std::vector<double>* poses) {
   for (int b = 1; b < model.nbody; b++) system.world.active[b] = busy[model.root[b]];
   for (Drive& d : system.drives)
     if (busy[d.body(0)]) d.begin_frame(system.drive_settings, state.qpos.data(), state.qvel.data());
-  for (int k = 0; k < n; k++) {
-    const int parts = substep_.parts(dt / n);
-    for (int i = 0; i < parts; i++) {
-      data_.budget.begin_substep((n - k) * parts - i);
-      data_.step.last = k + 1 == n && i + 1 == parts;
-      substep_.run(k * parts + i, dt / n / parts);
+  for (int k = 0, joined; k < n; k += joined) {
+    joined = joined_substeps(k, n, dt / n);
+    const double h = joined * (dt / n);
+    const int parts = substep_.parts(h);
+    for (int i = 0, made = 1; i < parts; i += made) {
+      // Parts cannot be joined: where the budget has ended one more is made of a substep.
+      if (data_.budget.frame_out()) made = parts - i;
+      data_.budget.begin_substep((n - k) / joined * parts - i);
+      data_.step.last = k + joined == n && i + made == parts;
+      substep_.run(k / joined * parts + i, h / parts);
+      if (made > 1) substep_.lose((made - 1) * (h / parts));
     }
-    if (poses && !probe.keep_pieces)
+    for (int i = 0; i < joined && poses && !probe.keep_pieces; i++)
       poses->insert(poses->end(), state.qpos.begin(), state.qpos.end());
   }
 }

@@ -223,13 +223,13 @@ bool StrengthLimits::give_in(System& system, Data& data, double h) {
     if (largest(d, pushed_.data()) == 0) continue;  // no contact acts on it
     const int first = d.first_dof(), count = d.dof_count();
     const bool good = data.attempt.settled(data.islands.of_tree(d.body(0)));
-    const bool none = !good || r.rounds[p] == tune::kResistRounds;
+    const bool out = data.budget.out(), none = !good || out || r.rounds[p] == tune::kResistRounds;
     if (!share_out(system, data, p, h) && good) continue;
     any = true;
     if (r.holds[p]) {  // first without holding what nothing touches
       r.holds[p] = 0;
       std::fill_n(r.share.begin() + first, count, 1.0);
-      continue;
+      if (!out) continue;
     }
     if (none) std::fill_n(r.share.begin() + first, count, 0.0);
     r.rounds[p] = none ? tune::kResistRounds + 1 : r.rounds[p] + 1;

@@ -34,8 +34,8 @@ class StrengthLimits {
   // Contacts come: step.v_free is v*.
   void begin(const System& system, const Step& step);
   // Rule 3, after an attempt: true if a joint exceeded its strength. Then the step is to be tried
-  // again with the resistance that this leaves. Where six rounds do not end it, or the step would
-  // have to be shortened, the pull alone is left. `h` is the whole substep, in its pieces too.
+  // again with the resistance that this leaves. Where six rounds do not end it, the budget ends, or the
+  // step would have to be shortened, the pull alone is left. `h` is the whole substep, in its pieces too.
   bool give_in(System& system, Data& data, double h);
   // An attempt is about to be committed, by the trees' shares of it, and pieces follow: what drives have
   // exerted by then counts in them (sub_stepping.h).

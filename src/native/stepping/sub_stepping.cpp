@@ -67,10 +67,14 @@ void SubStepping::check_reach(std::vector<char>& ok) {
       ok[data_.islands.of_tree(system_.tree((int)i))] = 0;
 }
 
+// Clears `ok` of the islands of a pair of shapes; the second may be -1.
+void SubStepping::refuse(int shape, int other, std::vector<char>& ok) const {
+  for (int s : {shape, other})
+    if (s >= 0) ok[data_.islands.of_tree(system_.tree(s))] = 0;
+}
+
 void SubStepping::check_end(std::vector<char>& ok) {
-  for (const Breach& k : breaches())
-    for (int shape : {k.pair.shape, k.pair.other_shape})
-      if (shape >= 0) ok[data_.islands.of_tree(system_.tree(shape))] = 0;
+  for (const Breach& k : breaches()) refuse(k.pair.shape, k.pair.other_shape, ok);
 }
 
 // Clears `ok` of islands with joints too far beyond their ranges.
@@ -99,8 +103,10 @@ std::vector<char> SubStepping::clear(const std::vector<double>& at, double h) {
       suspects_.push_back(i);
   spend_on_poses(data_);
   check_end(ok);
+  for (size_t pair : system_.world.end_check.pairs())
+    if (std::find(end_suspects_.begin(), end_suspects_.end(), pair) == end_suspects_.end())
+      end_suspects_.push_back(pair);
   check_ranges(ok);
-  suspect_end_ |= !breaches().empty();
   check_reach(ok);
   return ok;
 }
@@ -111,7 +117,13 @@ std::vector<char> SubStepping::possible(const std::vector<double>& at, double h)
   move_to(at, h, ok);
   for (size_t i : suspects_) check_gap(i, ok);
   spend_on_poses(data_);
-  if (suspect_end_) check_end(ok);
+  World& world = system_.world;
+  for (size_t pair : end_suspects_) {
+    if (!world.end_check.breached_at(data_.state.pose, data_.step.end, pair)) continue;
+    const BroadPhasePair& e = world.broad_phase.pairs()[pair];
+    refuse(e.shape, e.other_shape, ok);
+  }
+  data_.budget.spend(tune::kTestWork * world.take_tests());
   check_ranges(ok);
   check_reach(ok);
   return ok;
@@ -123,7 +135,7 @@ std::vector<double> SubStepping::shares(double h) {
   std::vector<double> at(model.nbody, 1);
   data_.islands.find(system_, data_.attempt.candidates);
   suspects_.clear();
-  suspect_end_ = false;
+  end_suspects_.clear();
   for (int round = 0; round <= tune::kMostShareRounds; round++) {
     const std::vector<char> ok = clear(at, h);
     std::vector<char> hurt(model.nbody, 0);

@@ -38,6 +38,7 @@ class SubStepping {
   void move_to(const std::vector<double>& at, double h, std::vector<char>& ok);
   void check_ranges(std::vector<char>& ok) const;
   bool check_gap(size_t i, std::vector<char>& ok);
+  void refuse(int shape, int other, std::vector<char>& ok) const;
   void check_end(std::vector<char>& ok);
   void check_reach(std::vector<char>& ok);
   bool good();
@@ -61,10 +62,9 @@ class SubStepping {
   std::vector<double> moved_;        // velocities times shares
   std::vector<double> way_, inner_;  // per shape: travelled, and seen from the root body [m]
   uint64_t way_stamp_ = 0;           // of the end pose that they lead to
-  // While shares are searched: candidates, and whether overlaps at the end, that kept some share
-  // from being clear.
-  std::vector<size_t> suspects_;
-  bool suspect_end_ = false;
+  // While shares are searched: candidates, and pairs that overlapped at the end (end_check.h), that kept
+  // some share from being clear.
+  std::vector<size_t> suspects_, end_suspects_;
 };
 
 }  // namespace hp

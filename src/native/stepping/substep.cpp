@@ -27,6 +27,13 @@ void Substep::run(int k, double h) {
   end(h, lost);
 }
 
+void Substep::lose(double h) {
+  for (int b = 1; b < system_.model.nbody; b++) kinematic_.set_late(b, h);
+  kinematic_.pass_time(system_.model, h);
+  data_.result.diagnostics.shortened++;
+  data_.result.diagnostics.lost_time += h;
+}
+
 void Substep::begin(double h) {
   World& world = system_.world;
   const Model& model = system_.model;
@@ -39,7 +46,8 @@ void Substep::begin(double h) {
   data_.step.length = data_.step.gravity_time = h;
   data_.cache.begin_substep();
   world.narrow_phase.begin_substep();
-  if (world.depenetration.any() && world.depenetration.reroute(model, state.pose))
+  if (world.depenetration.any() && !data_.budget.frame_out() &&
+      world.depenetration.reroute(model, state.pose))
     world.broad_phase.invalidate();
   data_.budget.spend(tune::kTestWork * world.take_tests());
   if (world.self_contact()) world.self_depenetration.update(model, state.pose);

@@ -30,6 +30,8 @@ class Substep {
   void finish();
   // Substep k of the frame, of length h [s], of active trees.
   void run(int k, double h);
+  // Nothing is made of such a time [s]: it is lost.
+  void lose(double h);
   // Into how many parts a substep of length h is to be cut because of objects and links that turn
   // far: a contact is a straight line where they go in a circle, and would add energy.
   int parts(double h) const;

@@ -7,7 +7,7 @@ import pytest
 
 from halfphysics.base import rotations as rot
 from halfphysics.body.body import Body
-from halfphysics.geometry.shapes import Box
+from halfphysics.geometry.shapes import Box, Sphere
 from halfphysics.motion.motion import Motion
 from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
@@ -17,6 +17,7 @@ from support.people import FACING_X, t_pose
 
 pytest.importorskip("coal")
 
+from campaigns import attacks
 from campaigns.clear import not_clear, run, set_up, throw_cases
 from support.judges.clear_judge import Judge
 
@@ -33,6 +34,8 @@ LOST = 0.005
 #: The margin, its reduced minimum, and the minimum gap: below the second only the solver's
 #: residual reduces gaps [m].
 CLEARANCE, LEAST, FLOOR = 1e-3, 1e-4, 2e-5
+#: Of the case whose budget ends; speed of the ball beside it [m/s].
+SUBSTEPS, BALL = 8, 3.0
 
 
 @pytest.fixture(scope="module")
@@ -151,3 +154,32 @@ def test_who_is_jammed_does_not_hold_up_the_others(body, drive):
         touched += len(frame.contacts.part) > 0
         np.testing.assert_allclose(frame.poses[1].translation, walk[t].translation, atol=1e-12)
     assert touched > 0
+
+
+def exhausted():
+    """Somebody limp who starts deep inside a soup of triangles, and a ball that flies elsewhere.
+
+    The ball's place along its way after every frame [m], the frames, and their work in budgets."""
+    attack = attacks.set_up(attacks.Case("limp_soup", 453000, fuzz=True))
+    attack.scene.add_object("ball", Sphere(0.1), mass=1.0, position=(50.0, 0.0, 50.0))
+    settings = Settings(record="substeps", **attack.settings)
+    simulator = Simulator(attack.scene, body=attacks.body(), settings=settings, fps=attack.fps)
+    simulator.reset(attack.motions[0][0])
+    simulator.set_velocity("ball", (BALL, 0.0, 0.0))
+    x, frames, work = [50.0], [], []
+    for t in range(1, 13):
+        frames.append(simulator.step(attack.motions[0][t]))
+        x.append(frames[-1].objects["ball"][0][0])
+        work.append(simulator.world.stepper.frame_work())
+    return np.array(x), frames, work
+
+
+def test_where_a_budget_ends_the_rest_of_the_frame_is_made_in_few_steps():
+    """Nobody else loses time by that, and every frame has all its substeps."""
+    x, frames, work = exhausted()
+    assert max(work) > 1.0
+    assert all(len(frame.substeps) == SUBSTEPS for frame in frames)
+    joined = [not np.diff(frame.substeps[-4:], axis=0).any() for frame in frames]
+    assert any(joined)
+    assert not any(np.array(joined)[np.array(work) < 0.9])
+    np.testing.assert_allclose(np.diff(x), BALL / 30.0, rtol=0, atol=1e-12)

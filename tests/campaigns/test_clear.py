@@ -72,7 +72,8 @@ def rows_of(tmp_path_factory):
     return rows_of
 
 
-#: Steps that were shortened again and again, each 0.15 um deeper in a rod: 7 um in the end.
+#: Steps that were shortened again and again, each 0.15 um deeper in a rod: 7 um in the end. The end
+#: check lets a micrometre pass; how much of it they use changes with roundings: none, or 0.05 um.
 CREPT = (
     "throw-tumbling-rods-20x-30fps-N1-l0-tau0.02",
     "throw-flailing-rods-10x-30fps-N1-l0-tau0.02",
@@ -85,7 +86,7 @@ def test_overlaps_do_not_creep(wanted):
     row = run(next(case for case in throw_cases() if case.id == wanted))
     assert row["shortened"] > 0
     assert row["ok"]
-    assert row["gap_mm"] > 0.0
+    assert row["gap_mm"] > -1e-4
 
 
 def complaints(rows, what):

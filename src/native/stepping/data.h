@@ -184,6 +184,10 @@ struct Data {
   Probe probe;
 
   void finish(const System& system);
+  // The budget has ended, and this island had its part of the last attempt: no more for its sake.
+  bool spent(int island) const {
+    return budget.out() && budget.attempt_out(attempt.islands[island].work);
+  }
 };
 
 // Normal component of the relative velocity at a contact [m/s].

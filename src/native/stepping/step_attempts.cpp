@@ -25,9 +25,12 @@ void StepAttempts::run_exits(double h) {
   World& world = system_.world;
   if (!exit_.begin(world)) return contact_step_.run(h);
   // Where the budget has ended they come out no farther in this step.
-  for (int k = 0; k < tuning::stepping::kExitTries && !data_.budget.out(); k++) {
+  bool spent = data_.budget.frame_out();
+  for (int k = 0; k < tuning::stepping::kExitTries && !spent; k++) {
     contact_step_.run(h);
     if (exit_.accept(system_, data_)) return;
+    for (const InitialOverlap& in : world.depenetration.overlaps())
+      spent |= data_.spent(data_.islands.of_tree(system_.tree(in.shape)));
   }
   exit_.give_up(world);
   contact_step_.run(h);

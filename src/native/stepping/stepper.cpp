@@ -92,11 +92,14 @@ void Stepper::step_beside_free(double dt, int n, std::vector<double>* poses) {
   substeps(dt, n, poses);
 }
 
+// Is what is left of the frame to be made in few steps? Soft layers need short ones.
+bool Stepper::hurries() const { return data_.budget.frame_out() && !data_.soft.any(); }
+
 // How many of the n substeps of length h, from number k on, are made as one: more only where the frame's
 // budget has ended, so many that it begins at a multiple of its length, as the drive counts, and that
 // nothing turns too far in it.
 int Stepper::joined_substeps(int k, int n, double h) const {
-  if (!data_.budget.frame_out()) return 1;
+  if (!hurries()) return 1;
   for (int joined = n - k; joined > 1; joined--)
     if (n % joined == 0 && k % joined == 0 && substep_.parts(joined * h) == 1) return joined;
   return 1;
@@ -115,7 +118,7 @@ void Stepper::substeps(double dt, int n, std::vector<double>* poses) {
     const int parts = substep_.parts(h);
     for (int i = 0, made = 1; i < parts; i += made) {
       // Parts cannot be joined: where the budget has ended one more is made of a substep.
-      if (data_.budget.frame_out()) made = parts - i;
+      if (hurries()) made = parts - i;
       data_.budget.begin_substep((n - k) / joined * parts - i);
       data_.step.last = k + joined == n && i + made == parts;
       substep_.run(k / joined * parts + i, h / parts);

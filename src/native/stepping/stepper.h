@@ -82,6 +82,7 @@ class Stepper {
  private:
   Snapshot snapshot() { return {system, data_, kinematic_, prescribed_}; }
   void step_beside_free(double dt, int n, std::vector<double>* poses);
+  bool hurries() const;
   int joined_substeps(int k, int n, double h) const;
   void substeps(double dt, int n, std::vector<double>* poses);
 

@@ -223,7 +223,8 @@ bool StrengthLimits::give_in(System& system, Data& data, double h) {
     if (largest(d, pushed_.data()) == 0) continue;  // no contact acts on it
     const int first = d.first_dof(), count = d.dof_count();
     const bool good = data.attempt.settled(data.islands.of_tree(d.body(0)));
-    const bool out = data.budget.out(), none = !good || out || r.rounds[p] == tune::kResistRounds;
+    const bool out = data.spent(data.islands.of_tree(d.body(0)));
+    const bool none = !good || out || r.rounds[p] == tune::kResistRounds;
     if (!share_out(system, data, p, h) && good) continue;
     any = true;
     if (r.holds[p]) {  // first without holding what nothing touches

@@ -34,8 +34,8 @@ LOST = 0.005
 #: The margin, its reduced minimum, and the minimum gap: below the second only the solver's
 #: residual reduces gaps [m].
 CLEARANCE, LEAST, FLOOR = 1e-3, 1e-4, 2e-5
-#: Of the case whose budget ends; speed of the ball beside it [m/s].
-SUBSTEPS, BALL = 8, 3.0
+#: Of the case whose budget ends; speed of the ball beside it [m/s], and its spin [rad/s].
+SUBSTEPS, BALL, SPIN = 8, 3.0, 400.0
 
 
 @pytest.fixture(scope="module")
@@ -156,16 +156,17 @@ def test_who_is_jammed_does_not_hold_up_the_others(body, drive):
     assert touched > 0
 
 
-def exhausted():
+def exhausted(spin=0.0):
     """Somebody limp who starts deep inside a soup of triangles, and a ball that flies elsewhere.
 
-    The ball's place along its way after every frame [m], the frames, and their work in budgets."""
+    `spin`: of the ball [rad/s]. The ball's place along its way after every frame [m], the frames,
+    and their work in budgets."""
     attack = attacks.set_up(attacks.Case("limp_soup", 453000, fuzz=True))
     attack.scene.add_object("ball", Sphere(0.1), mass=1.0, position=(50.0, 0.0, 50.0))
     settings = Settings(record="substeps", **attack.settings)
     simulator = Simulator(attack.scene, body=attacks.body(), settings=settings, fps=attack.fps)
     simulator.reset(attack.motions[0][0])
-    simulator.set_velocity("ball", (BALL, 0.0, 0.0))
+    simulator.set_velocity("ball", (BALL, 0.0, 0.0), (spin, 0.0, 0.0))
     x, frames, work = [50.0], [], []
     for t in range(1, 13):
         frames.append(simulator.step(attack.motions[0][t]))
@@ -183,3 +184,15 @@ def test_where_a_budget_ends_the_rest_of_the_frame_is_made_in_few_steps():
     assert any(joined)
     assert not any(np.array(joined)[np.array(work) < 0.9])
     np.testing.assert_allclose(np.diff(x), BALL / 30.0, rtol=0, atol=1e-12)
+
+
+def test_parts_that_a_budget_leaves_out_are_lost_time_and_said():
+    """A ball that turns fast makes each substep in parts, which are not joined."""
+    x, frames, work = exhausted(spin=SPIN)
+    lost = np.array([frame.lost_time for frame in frames])
+    behind = 1.0 / 30.0 - np.diff(x) / BALL
+    assert max(work) > 1.0
+    assert behind.max() > 1e-3
+    assert behind.min() > -1e-12
+    assert (behind <= lost + 1e-12).all()
+    assert (lost <= 1.0 / 30.0 + 1e-12).all()

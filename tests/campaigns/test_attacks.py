@@ -94,8 +94,8 @@ def test_fuzzing_mixes_two_families_and_draws_settings():
     assert len({c.id for c in some}) == 8
     attack = set_up(some[0])
     assert {"substeps", "stiffness", "drive_time"} <= set(attack.settings)
-    _, _, frames, (seconds, work), _ = simulate(attack, 2)
-    assert len(frames) == len(seconds) == len(work) == 2
+    ran = simulate(attack, 2)
+    assert len(ran.frames) == len(ran.seconds) == len(ran.work) == 2
 
 
 def _ten_frames(task):

@@ -14,7 +14,7 @@ from halfphysics.base.short_repr import counted, short_repr
 from halfphysics.motion.pose import Pose
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.results.inside import Depths
-from halfphysics.simulation.core_rows import ContactRows, contact_rows, inside_rows
+from halfphysics.simulation.core_rows import ContactRows, breach_rows, contact_rows, inside_rows
 from halfphysics.simulation.soft_rows import soft_rows
 
 if TYPE_CHECKING:
@@ -38,6 +38,8 @@ class Frame:
         joints: Name of an articulated object's joint -> its value () [rad or m], (4,) of a ball.
         contacts: The contacts during the frame.
         inside: Which parts and objects are inside something, and how deep.
+        breaches: Of those that were clear before, see `Result.breaches`: empty unless the promise
+            was broken that what starts clear stays clear.
         clearance: Minimum distance of the people from the statics [m]; inf beyond
             `Settings.clearance_range`, negative where they penetrate.
         lost_time: Time by which blocked steps were shortened [s].
@@ -57,6 +59,7 @@ class Frame:
     _set: tuple[Pose, ...] | None  # poses that were set, as they were given
     _contacts: Array
     _inside: Array
+    _breaches: Array
     _torques: Array
     _soft: Array | None = None
 
@@ -82,6 +85,11 @@ class Frame:
     @cached_property
     def inside(self) -> Depths:
         return inside_rows(self._world, self._inside, np.zeros(len(self._inside), dtype=int)).at(0)
+
+    @cached_property
+    def breaches(self) -> Depths:
+        frame = np.zeros(len(self._breaches), dtype=int)
+        return breach_rows(self._world, self._breaches, frame).at(0)
 
     @cached_property
     def soft_contacts(self) -> SoftContacts | None:
@@ -115,6 +123,7 @@ class Frame:
             "joints": self.joints,
             "contacts": self.contacts,
             "inside": self.inside,
+            "breaches": self.breaches,
             "torques": self.torques,
             "soft_contacts": self.soft_contacts,
         }

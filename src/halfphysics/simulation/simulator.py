@@ -409,6 +409,7 @@ class Simulator(InNotebook):
             _set=tuple(poses) if self.settings.drive.poses else None,
             _contacts=stepper.touches(),
             _inside=stepper.inside(),
+            _breaches=stepper.breaches() if moved else np.zeros((0, 4)),
             _torques=stepper.torques() if moved else np.zeros((0, 3)),
             _soft=rows_of(stepper) if self.world.soft else None,
         )

@@ -82,6 +82,21 @@ def test_contacts_leave_the_check_nothing_to_do(body, kind):
     assert lost == 0.0
 
 
+def test_the_frame_of_a_simulator_names_its_breaches(body):
+    scene = Scene()
+    scene.add_static("wall", Box((0.02, 3.0, 3.0)), position=(0.2, 0.0, 0.0))
+    motion = along_x(1.5, 16, -0.4)
+    simulator = Simulator(scene, body=body, fps=motion.fps)
+    assert not len(simulator.reset(motion[0]).breaches)
+    assert not len(simulator.step(motion[1]).breaches)
+    simulator.world.stepper.blind(2)
+    found = [simulator.step(motion[t]).breaches for t in range(2, len(motion))]
+    rows = [row for told in found for row in told.described(simulator.world.names)]
+    assert rows
+    assert all("mm inside wall" in row for row in rows)
+    assert not len(simulator.reset(motion[0]).breaches)
+
+
 def test_a_result_has_no_breaches(body):
     scene = Scene()
     scene.add_static("wall", Box((0.02, 3.0, 3.0)), position=(0.2, 0.0, 0.0))

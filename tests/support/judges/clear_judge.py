@@ -22,6 +22,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from halfphysics.geometry.shapes import Plane
+from halfphysics.motion.skeleton import JOINT_NAMES
 from support.judges.convex_obstacles import Obstacles
 from support.judges.crossings import Way, possible
 from support.judges.judged_static import JudgedStatic
@@ -79,20 +80,22 @@ class Judge:
         self.statics = [JudgedStatic.of(s) for s in others]
         self.obstacles = Obstacles(others)
 
-    def judge(self, start, frames) -> Verdict:
+    def judge(self, start, frames, told=None) -> Verdict:
         """`start`: coordinates (nq,) of the first pose; `frames`: with their substeps recorded."""
-        return self.judge_poses(np.concatenate([start[None], *(f.substeps for f in frames)]))
+        return self.judge_poses(np.concatenate([start[None], *(f.substeps for f in frames)]), told)
 
-    def judge_poses(self, poses) -> Verdict:
-        """`poses`: consecutive coordinates (T, nq), the first at index 0."""
+    def judge_poses(self, poses, told=None) -> Verdict:
+        """`poses`: consecutive coordinates (T, nq), the first at index 0; `told`: what is left out
+        (`told_inside`), of all but the start's distance."""
         verdict = Verdict(poses=len(poses) - 1)
         for first in range(0, max(1, len(poses) - 1), CHUNK):
             for pieces in self.pieces:
                 at = pieces.at(poses[first : first + CHUNK + 1])
-                for s in self.planes:
-                    _over(s, at, first, verdict)
+                for s, last in zip(self.planes, last_told(told, pieces, self.planes), strict=True):
+                    _over(s, at, first, verdict, last)
                 if self.statics:
-                    _Chunk(self, at, first, verdict).judge()
+                    last = last_told(told, pieces, self.statics)
+                    _Chunk(self, at, first, verdict, last).judge()
         return verdict
 
     def gap_to(self, static, pose):
@@ -113,9 +116,10 @@ class Judge:
 class _Chunk:
     """The pieces of one person at consecutive poses, among the statics that are no planes."""
 
-    def __init__(self, judge, at, first, verdict):
+    def __init__(self, judge, at, first, verdict, last_told):
         self.statics, self.obstacles = judge.statics, judge.obstacles
         self.at, self.first, self.verdict = at, first, verdict
+        self.told = last_told - first  # last pose at which a piece is left out (S, P)
         # Boxes of the statics (S, 1, 3).
         self.lows, self.highs = (
             np.array([getattr(s, k) for s in self.statics])[:, None] for k in ("low", "high")
@@ -142,17 +146,18 @@ class _Chunk:
         asked = self.verdict.asked
         return np.flatnonzero(self._clearance(piece, begin, end, asked) < asked)
 
-    def _with_statics(self, piece, step):
-        """(static, piece, step) of all near ones, in this order."""
+    def _with_statics(self, piece, step, all_of_them=False):
+        """(static, piece, step) of all near ones, in this order; without those left out."""
         low = np.minimum(self.at.low[step, piece], self.at.low[step + 1, piece]) - NEAR
         high = np.maximum(self.at.high[step, piece], self.at.high[step + 1, piece]) + NEAR
-        s, which = np.nonzero(((low < self.highs) & (high > self.lows)).all(axis=2))
+        near = ((low < self.highs) & (high > self.lows)).all(axis=2)
+        s, which = np.nonzero(near & (all_of_them | (step > self.told[:, piece])))
         return s, piece[which], step[which]
 
     def _start(self):
         """The distance at the first pose."""
         every = np.arange(len(self.at.pieces.names))
-        s, piece, pose = self._with_statics(every, np.zeros_like(every))
+        s, piece, pose = self._with_statics(every, np.zeros_like(every), all_of_them=True)
         near = self._clearance(piece, pose, pose, NEAR, s, settle=True) < NEAR
         for some in (np.flatnonzero(near), np.flatnonzero(~near)):
             if self.verdict.start > NEAR:
@@ -208,14 +213,50 @@ class _Chunk:
             found = self.statics[k].distance(self.at.points(i, pose), self.at.solid(i, pose))
             self.known[k, i, pose] = found
             where = self.at.pieces.names[i], self.statics[k].name, self.first + pose
-            _note(self.verdict, found[0], where)
+            _note(self.verdict, found[0], where, pose <= self.told[k, i])
         return self.known[k, i, pose]
 
 
-def _over(s, at, first, verdict):
-    """Heights of all pieces over a plane; what is above it at two poses is so between."""
+def told_inside(world, frames):
+    """What a run itself says to be inside something: (part or object, other) -> the last pose at
+    which it may be.
+
+    Args:
+        world: Its `names` are those of the frames, people last.
+        frames: That of the reset, whose pose is 0, and all after it; their substeps recorded. What
+            a frame tells at its end may be so until the end of the next.
+    """
+    out, names, people = {}, world.names, len(world.people)
+    ends = np.cumsum([0, *(len(f.substeps) for f in frames[1:])]).tolist()
+    for f, end in zip(frames, [*ends[1:], ends[-1]], strict=True):
+        told = f.inside
+        for person, part, subject, other in zip(
+            told.person, told.part, told.subject, told.other, strict=True
+        ):
+            whose = names[len(names) - people + person]
+            one = names[subject] if person < 0 else f"{whose}/{JOINT_NAMES[part]}"
+            out[one, names[other]] = end
+    return out
+
+
+def last_told(told, pieces, statics):
+    """The last pose at which pieces are said to be in statics (S, P); -1: never."""
+    parts = ["/".join(name.split("/")[:2]) for name in pieces.names]
+    told = told or {}
+    last = [[told.get((part, s.name), -1) for part in parts] for s in statics]
+    return np.array(last, int).reshape(len(statics), len(parts))
+
+
+def _over(s, at, first, verdict, last_told):
+    """Heights of all pieces over a plane; what is above it at two poses is so between.
+
+    last_told: The last pose at which a piece is left out (P,).
+    """
     normal, offset = s.plane
     heights = np.minimum.reduceat(at.corners @ normal, at.pieces.first[:-1]).T - offset
+    if first == 0 and heights[0].min() < 0.0:
+        verdict.start = min(verdict.start, float(heights[0].min()))
+    heights[first + np.arange(len(heights))[:, None] <= last_told] = np.inf
     for k in np.flatnonzero(heights.min(axis=1) < -ROUNDING):
         verdict.inside.add(first + int(k))
     if first == 0:
@@ -227,10 +268,12 @@ def _over(s, at, first, verdict):
         _note(verdict, heights[k, i], (at.pieces.names[i], s.name, first + int(k)))
 
 
-def _note(verdict, gap, where):
-    """A distance at (piece, static, pose)."""
+def _note(verdict, gap, where, told=False):
+    """A distance at (piece, static, pose); of what is left out, that of the start alone counts."""
     if where[2] == 0:
         verdict.start = min(verdict.start, float(gap))
+    if told:
+        return
     if gap < -ROUNDING:
         verdict.inside.add(where[2])
     if gap < verdict.gap:

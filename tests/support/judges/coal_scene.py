@@ -144,15 +144,17 @@ class Watch:
         for pair in self._pairs(at, NEAR, against_objects, statics).T.tolist():
             yield self._distance(at, *pair)
 
-    def smallest(self, poses, known=np.inf, statics="all"):
+    def smallest(self, poses, known=np.inf, statics="all", told=None):
         """Over poses (T, nq): the smallest distance below `known` and `NEAR`, its items, and the
         number of poses with a negative one.
 
-        `known` and no items, if there is none.
+        `known` and no items, if there is none. `told`: What is left out (`clear_judge.told_inside`;
+        pose 1 is the first of `poses`).
 
         Pairs that planes prove to be farther than the smallest known distance are not asked about.
         """
         gap, items, inside = known, ("", ""), set()
+        last = self._last_told(told)
 
         def asked():
             return max(min(gap, NEAR), 0.0)
@@ -160,6 +162,8 @@ class Watch:
         for first in range(0, len(poses), CHUNK):
             at = Movers(self, poses[first : first + CHUNK])
             pairs = self._pairs(at, asked(), True, statics)
+            if last is not None:
+                pairs = pairs[:, first + 1 + pairs[0] > last[pairs[1], pairs[2]]]
             while pairs.size:
                 far = asked()
                 d = self._proven(at, pairs, far)
@@ -177,14 +181,32 @@ class Watch:
                 pairs = pairs[:, done:]
         return gap, items, len(inside)
 
+    def _last_told(self, told):
+        """The last pose at which movers are said to meet movers and statics (M, M + S), -1: never;
+        None where nothing is told."""
+        if not told:
+            return None
+        pieces = [name for p in self.people for name in p.names]
+        parts = ["/".join(name.split("/")[:2]) for name in pieces] + self._owner[len(pieces) :]
+        owners = self._owner + [s.owner for s in self.statics]
+        last = np.array([[told.get((a, b), -1) for b in owners] for a in parts])
+        moving = last[:, : len(parts)]
+        np.maximum(moving, moving.T, out=moving)
+        return last
+
     def _pairs(self, at, near, against_objects, statics):
         """(pose, mover, other) of pairs with near boxes; others from `at.count` on: statics."""
         low, high = at.low, at.high
         found = []
         if against_objects:
-            apart = np.maximum(low[:, :, None] - high[:, None], low[:, None] - high[:, :, None])
-            t, a, b = np.nonzero((apart <= near).all(axis=3) & np.triu(self._meet, 1))
-            found.append((t, a, b))
+            a, b = np.nonzero(np.triu(self._meet, 1))
+            meet = np.ones((len(low), len(a)), bool)
+            for x in range(3):  # numpy is slow along short rows
+                below, above = low[..., x], high[..., x]
+                meet &= below[:, a] - above[:, b] <= near
+                meet &= below[:, b] - above[:, a] <= near
+            t, pair = np.nonzero(meet)
+            found.append((t, a[pair], b[pair]))
         if statics != "none" and self.statics:
             ends = np.array([[s.low, s.high] for s in self.statics])
             apart = np.maximum(low[:, :, None] - ends[:, 1], ends[:, 0] - high[:, :, None])

@@ -46,9 +46,13 @@ def coal_shape(shape, solid):
         return coal.Cylinder(shape.radius, shape.length)
     if solid:
         return coal_hull(np.asarray(shape.vertices))
-    model = coal.BVHModelOBBRSS()
     vertices = np.asarray(shape.vertices, dtype=float)
-    faces = _with_area(vertices, np.asarray(shape.faces))
+    return coal_triangles(vertices, _with_area(vertices, np.asarray(shape.faces)))
+
+
+def coal_triangles(vertices, faces):
+    """A tree over triangles of vertices (n, 3)."""
+    model = coal.BVHModelOBBRSS()
     model.beginModel(len(faces), len(vertices))
     model.addVertices(vertices)
     model.addTriangles(np.asarray(faces, dtype=np.int64))

@@ -13,7 +13,7 @@ import numpy as np
 from halfphysics.base import rotations as rot
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Sphere
 from support.judges.separation import TINY, nearest_to_origin, planes
-from support.judges.triangle_soup import Boxes
+from support.judges.triangle_soup import Boxes, triangle_boxes
 
 
 class Obstacles:
@@ -33,7 +33,7 @@ class Obstacles:
         # A triangle, a segment or a point (O, 3, 3).
         self._core = np.concatenate([np.zeros((0, 3, 3)), *facets, *cores])
         self.owner = np.repeat([*meshes, *others], [*map(len, facets), *(1 for _ in others)])
-        low, high = self._core.min(axis=1), self._core.max(axis=1)
+        low, high = triangle_boxes(self._core)
         self._half = np.array([r.half for r in self._round]).reshape(-1, 3, 3)
         self._disc = np.array([r.disc for r in self._round]).reshape(-1, 2, 3)
         self._ball = np.array([r.ball for r in self._round]).reshape(-1, 1)

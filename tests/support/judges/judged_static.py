@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 
 import coal
 import numpy as np
 
 from halfphysics.base import rotations as rot
 from halfphysics.geometry.shapes import Mesh, Plane
-from support.judges.coal_shapes import coal_shape
+from support.judges.coal_shapes import coal_shape, coal_triangles
+from support.judges.triangle_soup import triangle_boxes
 
 REQUEST = coal.DistanceRequest()
 
@@ -19,14 +22,15 @@ class JudgedStatic:
     """A static in the world.
 
     Attributes:
-        shape, place: coal's geometry and its pose; None for a plane.
+        make, place: coal's geometry, made when it is first asked for, and its pose; None for a
+            plane.
         low, high: Corners of a box around it (3,) [m].
         plane: Normal (3,) and offset [m] of a plane.
         triangles: Those of a mesh (F, 3, 3), with boxes `lows`, `highs` (F, 3).
     """
 
     name: str
-    shape: object
+    make: Callable[[], object] | None
     place: object
     low: np.ndarray
     high: np.ndarray
@@ -49,21 +53,21 @@ class JudgedStatic:
             vertices = np.asarray(vertices) @ turn.T + position
             low, high = vertices.min(axis=0), vertices.max(axis=0)
             faces = np.asarray(faces, dtype=np.int64)
-            model = coal.BVHModelOBBRSS()
-            model.beginModel(len(faces), len(vertices))
-            model.addVertices(vertices)
-            model.addTriangles(faces)
-            model.endModel()
             t = vertices[faces]
-            boxes = t.min(axis=1), t.max(axis=1)
-            return cls(s.name, model, coal.Transform3s(), low, high, None, t, *boxes)
+            make = cache(lambda: coal_triangles(vertices, faces))
+            return cls(s.name, make, coal.Transform3s(), low, high, None, t, *triangle_boxes(t))
         shape = coal_shape(s.shape, solid=False)
         # Facets lie within the round shape: the true extent by its own box.
         shape.computeLocalAABB()
         box = shape.aabb_local
         half = np.abs(turn) @ np.maximum(np.abs(box.min_), np.abs(box.max_))
         place = coal.Transform3s(turn, position)
-        return cls(s.name, shape, place, position - half, position + half)
+        return cls(s.name, lambda: shape, place, position - half, position + half)
+
+    @property
+    def shape(self):
+        """coal's geometry."""
+        return self.make()
 
     def near(self, low, high):
         """Which boxes (..., 3) meet its box."""

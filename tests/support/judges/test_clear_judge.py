@@ -9,13 +9,14 @@ import pytest
 
 from halfphysics.base import rotations as rot
 from halfphysics.body.body import Body
-from halfphysics.geometry.shapes import Cylinder, Plane
+from halfphysics.geometry.shapes import Box, Cylinder, Plane
 from halfphysics.motion.motion import Motion
+from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
 from halfphysics.simulation.simulator import Simulator
 from support.barriers import BARRIERS, barrier, sheet
-from support.judges.clear_judge import Judge
+from support.judges.clear_judge import Judge, told_inside
 from support.judges.person_hulls import CONTACTS, pieces_of
 from support.people import FACING_X, t_pose
 from support.throws import OBSTACLES, throw
@@ -82,6 +83,53 @@ def test_being_inside_is_seen_at_once(body, ghost):
     assert verdict.inside == {0, 1, 2}
     lowest = body.vertices(t_pose(np.zeros((2, 3))), frames=[0])[0, :, 2].min()
     assert verdict.gap == pytest.approx(0.28 + lowest, abs=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["plane", "box"])
+def test_what_is_told_is_left_out_as_long_as_it_is_told(body, kind):
+    """A person sinks into the ground: its feet, of which that is known until the second pose."""
+    scene = Scene()
+    lowest = body.vertices(t_pose(np.zeros((2, 3))), frames=[0])[0, :, 2].min()
+    depths = np.array([0.01, 0.02, 0.03, 0.04])
+    motion = t_pose(np.outer(-lowest - depths, [0.0, 0.0, 1.0]))
+    box = Box((3.0, 3.0, 1.0))
+    shape, position = (Plane(), (0, 0, 0)) if kind == "plane" else (box, (0, 0, -0.5))
+    scene.add_static("it", shape, position=position)
+    simulator = Simulator(scene, body=body, fps=motion.fps)
+    poses = np.array([simulator.world.start([motion[t]])[0] for t in range(len(motion))])
+    told = {(f"person/{part}", "it"): 1 for part in JOINT_NAMES}
+    verdict = Judge(simulator).judge_poses(poses, told)
+    assert verdict.start == pytest.approx(-0.01, abs=1e-6)
+    assert verdict.inside == {2, 3}
+    assert verdict.gap == pytest.approx(-0.04, abs=1e-6)
+    forever = dict.fromkeys(told, len(poses))
+    assert Judge(simulator).judge_poses(poses, forever).clear
+    elsewhere = {(part, "another"): len(poses) for part, _ in told}
+    assert Judge(simulator).judge_poses(poses, elsewhere).inside == {0, 1, 2, 3}
+
+
+def test_a_run_tells_what_is_inside_and_until_when(body):
+    """The hands in a wall at the start: of them alone it is told, until they are out."""
+    scene = Scene()
+    motion = t_pose(np.zeros((30, 3)), fps=30.0)
+    reach = body.vertices(motion, frames=[0])[0, :, 1].max()
+    scene.add_static("wall", Box((1.0, 0.2, 1.0)), position=(0.0, reach + 0.07, 0.0))
+    simulator = Simulator(
+        scene, body=body, settings=Settings(record="substeps", substeps=4), fps=30.0
+    )
+    frames = [simulator.reset(motion[0])]
+    frames += [simulator.step(motion[t]) for t in range(1, len(motion))]
+    told = told_inside(simulator.world, frames)
+    assert told
+    assert all(part.startswith("person/left_") and other == "wall" for part, other in told)
+    last = max(k for k, f in enumerate(frames) if len(f.inside))
+    ends = np.cumsum([len(f.substeps) for f in frames])
+    assert 0 < last < len(frames) - 1
+    assert max(told.values()) == ends[last + 1]
+    start = simulator.world.start([motion[0]])[0]
+    verdict = Judge(simulator).judge(start, frames[1:], told)
+    assert verdict.start < -0.02
+    assert verdict.clear
 
 
 @pytest.mark.parametrize("steps", [2, 5, 40])

@@ -66,6 +66,17 @@ def test_what_is_known_is_not_looked_for():
     assert watch.smallest(poses, known=gap) == (gap, ("", ""), inside)
 
 
+def test_what_is_told_is_left_out_as_long_as_it_is_told():
+    watch, poses = with_things(SHAPES["ball"], "skin")
+    parts = {"/".join(name.split("/")[:2]) for name in watch.people[0].names}
+    gap, _, inside = watch.smallest(poses, statics="things")
+    begun = len(poses) - inside + 1  # the pose of index 0 is the first after the start
+    for told in ({(part, "it"): begun for part in parts}, {("it", "person"): begun}):
+        assert watch.smallest(poses, statics="things", told=told)[::2] == (gap, inside - 1)
+    told = dict.fromkeys(told, len(poses))
+    assert watch.smallest(poses, statics="things", told=told)[2] == 0
+
+
 @pytest.mark.parametrize("kind", SHAPES)
 def test_points_and_ball_cover_a_shape(kind):
     shape = SHAPES[kind]

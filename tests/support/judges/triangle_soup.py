@@ -27,18 +27,19 @@ class Boxes:
         low = np.pad(low, wide, constant_values=np.inf)
         high = np.pad(high, wide, constant_values=-np.inf)
         middle = 0.5 * (low + np.where(np.isinf(high), np.inf, high))
+        below, above = np.ascontiguousarray(low.T), np.ascontiguousarray(high.T)
         order = np.arange(1 << depth)
         for level in range(depth):
             groups = order.reshape(1 << level, -1)
-            axis = np.argmax(high[groups].max(axis=1) - low[groups].min(axis=1), axis=1)
+            axis = np.argmax(above[:, groups].max(axis=2) - below[:, groups].min(axis=2), axis=0)
             along = np.argsort(middle[groups, axis[:, None]], axis=1, kind="stable")
             order = np.take_along_axis(groups, along, axis=1).ravel()
         self.order = order
         self.levels = [(low[order], high[order])]
         for _ in range(depth):
             below, above = self.levels[0]
-            pairs = below.reshape(-1, 2, low.shape[1]), above.reshape(-1, 2, low.shape[1])
-            self.levels.insert(0, (pairs[0].min(axis=1), pairs[1].max(axis=1)))
+            ends = np.minimum(below[::2], below[1::2]), np.maximum(above[::2], above[1::2])
+            self.levels.insert(0, ends)
 
     def pairs(self, items, meets, levels=None):
         """(item, box) of all pairs that meet.
@@ -72,13 +73,20 @@ class Boxes:
         return self.pairs(len(low), meets)
 
 
+def triangle_boxes(triangles):
+    """Corners of boxes (F, 3) around triangles (F, 3, 3): numpy is slow along short rows."""
+    a, b, c = np.moveaxis(triangles, 1, 0)
+    return np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+
+
 class Soup:
     """Triangles (F, 3, 3) [m], counter-clockwise seen from outside."""
 
     def __init__(self, triangles):
         self.triangles = np.asarray(triangles, dtype=float)
-        self.low, self.high = self.triangles.min(axis=(0, 1)), self.triangles.max(axis=(0, 1))
-        self._boxes = Boxes(self.triangles.min(axis=1), self.triangles.max(axis=1))
+        low, high = triangle_boxes(self.triangles)
+        self.low, self.high = low.min(axis=0), high.max(axis=0)
+        self._boxes = Boxes(low, high)
         # The same, seen along the ray.
         u = np.cross(RAY, [1.0, 0.0, 0.0])
         u /= np.linalg.norm(u)

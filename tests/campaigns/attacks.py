@@ -122,7 +122,7 @@ def simulate(attack: Attack, frames: int | None = None) -> Run:
         simulator = Simulator(attack.scene, body=people, settings=settings, fps=attack.fps)
     simulator.world.stepper.keep_pieces(True)  # the judge sees every committed pose
     reset = simulator.reset([m[0] for m in attack.motions])
-    start = simulator.world.start([m[0] for m in attack.motions])[0]
+    start = simulator.world.stepper.qpos()  # people have been put on what is under them
     length = min(map(len, attack.motions))
     done, seconds, work, memory = [], [], [], _Memory()
     for t in range(1, length if frames is None else min(length, frames + 1)):

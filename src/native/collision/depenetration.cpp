@@ -112,7 +112,8 @@ void Depenetration::add_candidates(Poses& start, BroadPhasePair& e, InitialOverl
   e.planes_reach = 0;
   const Obstacle o = obstacle(start, in.other_static, in.other_shape);
   if (in.no_exit) {
-    if (o.clear(world_.place(start, in.shape), tune::kLeastGap, tests_)) in.next_progress = 1;
+    if (o.clear(world_.place(start, in.shape), tune::kLeastGap, tests_))
+      hold_clear(start, o, e, in, reach, h, out);
     return;
   }
   const double speed = world_.settings.depenetration_speed, length = norm(in.exit),
@@ -142,6 +143,22 @@ void Depenetration::add_candidates(Poses& start, BroadPhasePair& e, InitialOverl
   c.to = (1 - in.next_progress) * in.exit;
   for (const Plane& p : e.planes)
     if (p.dist <= r && !p.overlaps) targets_.add(c, p, h, out);
+}
+
+// A shape that had no way out has come clear by itself: from this substep on it is held so.
+void Depenetration::hold_clear(Poses& start, const Obstacle& o, BroadPhasePair& e,
+                               InitialOverlap& in, double& reach, double h,
+                               std::vector<ContactCandidate>& out) {
+  in.next_progress = 1;
+  const double holds = find_planes(world_.place(start, in.shape), o, e, reach);
+  ContactCandidate c;
+  c.shape = e.shape;
+  c.other_static = e.other_static;
+  c.other_shape = e.other_shape;
+  c.overlap = (int)(&in - overlaps_.data());
+  for (const Plane& p : e.planes)
+    if (p.dist <= reach) targets_.add(c, p, h, out);
+  reach = std::min(reach, holds);
 }
 
 bool Depenetration::reroute(const Model& m, Poses& start) {

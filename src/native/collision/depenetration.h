@@ -72,6 +72,8 @@ class Depenetration {
   bool any_new(const OverlapGroup& group, const Obstacle& o) const;
   void add_group(Poses& start, const Obstacle& o, const OverlapGroup& group, const Exit& exit);
   double find_planes(const PosedShape& a, const Obstacle& o, BroadPhasePair& e, double range) const;
+  void hold_clear(Poses& start, const Obstacle& o, BroadPhasePair& e, InitialOverlap& in,
+                  double& reach, double h, std::vector<ContactCandidate>& out);
 
   const CollisionWorld& world_;
   GapTargets& targets_;

@@ -74,7 +74,8 @@ bool EndCheck::exempt(const BroadPhasePair& e) const {
   const PairState* state = states_.find(e);
   if (state && (state->kept || (state->overlapping && e.own))) return true;
   if (e.other_shape >= 0 && parting_.any() && parting_.between(e.shape, e.other_shape)) return true;
-  return depenetration_.any() && depenetration_.find(e);
+  const InitialOverlap* in = depenetration_.any() ? depenetration_.find(e) : nullptr;
+  return in && !in->held_clear();
 }
 
 bool EndCheck::breached(Poses& start, const BroadPhasePair& e, double gap) {

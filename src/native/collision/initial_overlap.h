@@ -15,6 +15,8 @@ struct InitialOverlap {
   bool no_exit = false;      // none was found: no contact holds the pair until it is clear
   double asked = 0;          // how far it should come in the substep [m]
   int stuck = 0;             // substeps in a row in which it made hardly any progress
+  // There was no way out, but it is clear now, and held so from this substep on.
+  bool held_clear() const { return no_exit && next_progress >= 1; }
   double depth() const { return (1 - progress) * norm(exit); }
 };
 

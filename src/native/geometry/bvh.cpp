@@ -86,7 +86,7 @@ Plane plane_to(const PosedShape& a, const Vec3 v[3], int t, double reach, Vec3 g
     double offset = highest(v, n);
     // A line of rounding's length may point anywhere: it counts only if it separates.
     if (d > tune::kTouching || a.lowest(n) - offset > d - r - tune::kSeparates)
-      return {n, offset, d - r, t, false};
+      return {n, offset, d - r, t, d - r < -tune::kMeshTouch};
   }
   // They touch or overlap: the shorter way out along the triangle's own normal.
   Vec3 n = cross(v[1] - v[0], v[2] - v[0]);

@@ -32,6 +32,8 @@ from support.judges.person_hulls import pieces_of
 NEAR = 0.005
 #: Accuracy of coal's own distances [m].
 ROUNDING = 1e-6
+#: With `told`, what starts no deeper in something than this touches it: nothing is told of it [m].
+TOUCH = 1e-4
 #: A plane that is to separate has this much room [m]: rounding of coordinates.
 ROOM = 1e-9
 #: Poses processed together: bounds the memory. Steps proven together at first.
@@ -95,7 +97,8 @@ class Judge:
                     _over(s, at, first, verdict, last)
                 if self.statics:
                     last = last_told(told, pieces, self.statics)
-                    _Chunk(self, at, first, verdict, last).judge()
+                    touch = 0.0 if told is None else TOUCH
+                    _Chunk(self, at, first, verdict, last, touch).judge()
         return verdict
 
     def gap_to(self, static, pose):
@@ -116,10 +119,11 @@ class Judge:
 class _Chunk:
     """The pieces of one person at consecutive poses, among the statics that are no planes."""
 
-    def __init__(self, judge, at, first, verdict, last_told):
+    def __init__(self, judge, at, first, verdict, last_told, touch):
         self.statics, self.obstacles = judge.statics, judge.obstacles
         self.at, self.first, self.verdict = at, first, verdict
         self.told = last_told - first  # last pose at which a piece is left out (S, P)
+        self.touch = touch  # depth up to which it is left out at the first pose of all [m]
         # Boxes of the statics (S, 1, 3).
         self.lows, self.highs = (
             np.array([getattr(s, k) for s in self.statics])[:, None] for k in ("low", "high")
@@ -213,7 +217,8 @@ class _Chunk:
             found = self.statics[k].distance(self.at.points(i, pose), self.at.solid(i, pose))
             self.known[k, i, pose] = found
             where = self.at.pieces.names[i], self.statics[k].name, self.first + pose
-            _note(self.verdict, found[0], where, pose <= self.told[k, i])
+            touches = where[2] == 0 and -self.touch <= found[0] <= 0.0
+            _note(self.verdict, found[0], where, touches or pose <= self.told[k, i])
         return self.known[k, i, pose]
 
 

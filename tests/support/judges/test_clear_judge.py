@@ -108,6 +108,20 @@ def test_what_is_told_is_left_out_as_long_as_it_is_told(body, kind):
     assert Judge(simulator).judge_poses(poses, elsewhere).inside == {0, 1, 2, 3}
 
 
+@pytest.mark.parametrize(("depth", "clear"), [(5e-5, True), (2e-4, False)])
+def test_a_start_that_touches_need_not_be_told(body, depth, clear):
+    scene = Scene()
+    lowest = body.vertices(t_pose(np.zeros((2, 3))), frames=[0])[0, :, 2].min()
+    scene.add_static("it", Box((3.0, 3.0, 1.0)), position=(0.0, 0.0, -0.5))
+    motion = t_pose(np.outer([-lowest - depth, -lowest + 0.001], [0.0, 0.0, 1.0]))
+    simulator = Simulator(scene, body=body, fps=motion.fps)
+    poses = np.array([simulator.world.start([motion[t]])[0] for t in range(len(motion))])
+    verdict = Judge(simulator).judge_poses(poses, {})
+    assert verdict.start == pytest.approx(-depth, abs=1e-6)
+    assert verdict.clear == clear
+    assert not Judge(simulator).judge_poses(poses).clear
+
+
 def test_a_run_tells_what_is_inside_and_until_when(body):
     """The hands in a wall at the start: of them alone it is told, until they are out."""
     scene = Scene()

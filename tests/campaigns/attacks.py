@@ -37,8 +37,8 @@ from support.judges.clear_judge import Judge, told_inside
 from support.judges.coal_scene import Watch
 from support.judges.person_hulls import pieces_of
 
-#: Accuracy of coal's own distances [m].
-ROUNDING = 1e-6
+#: Accuracy of coal's own distances; the largest gap that is asked for [m].
+ROUNDING, NEAR = 1e-6, 5e-4
 #: CPU time of a frame of one person, of two [s]; memory that stepping takes [MB].
 MOST_SECONDS = (0.05, 0.10)
 MOST_MEMORY = 50.0
@@ -166,14 +166,14 @@ def judged(run: Run) -> dict[str, object]:
     start's gap: such starts are judged by `campaigns.starts`.
     """
     told = told_inside(run.simulator.world, [run.reset, *run.frames])
-    people = Judge(run.simulator).judge(run.start, run.frames, told)
+    people = Judge(run.simulator).judge(run.start, run.frames, told, NEAR)
     gap, pair, inside = people.gap, people.where[:2], len(people.inside)
     first = people.start
     if run.simulator.world.objects or len(run.simulator.bodies) > 1:
         watch = Watch(run.simulator)
         first = min(first, watch.gap(run.start, statics="things")[0])
         poses = np.concatenate([f.substeps for f in run.frames])
-        gap, others, more = watch.smallest(poses, gap, statics="things", told=told)
+        gap, others, more = watch.smallest(poses, min(gap, NEAR), statics="things", told=told)
         pair, inside = others if any(others) else pair, inside + more
     return {
         "start_mm": _mm(first),

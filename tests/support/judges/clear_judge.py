@@ -44,9 +44,10 @@ RECENT = 3
 
 @dataclass
 class Verdict:
-    """Results: distances [m], and their places."""
+    """Results: distances [m], and their places; of gaps beyond `near` that of the start alone."""
 
     poses: int = 0
+    near: float = NEAR
     start: float = np.inf
     gap: float = np.inf
     where: tuple[str, str, int] = ("", "", -1)
@@ -61,7 +62,7 @@ class Verdict:
     @property
     def asked(self) -> float:
         """The distance that has to be proven: farther ones change nothing [m]."""
-        return max(min(self.gap, NEAR), 0.0)
+        return max(min(self.gap, self.near), 0.0)
 
 
 class Judge:
@@ -82,14 +83,16 @@ class Judge:
         self.statics = [JudgedStatic.of(s) for s in others]
         self.obstacles = Obstacles(others)
 
-    def judge(self, start, frames, told=None) -> Verdict:
+    def judge(self, start, frames, told=None, near=NEAR) -> Verdict:
         """`start`: coordinates (nq,) of the first pose; `frames`: with their substeps recorded."""
-        return self.judge_poses(np.concatenate([start[None], *(f.substeps for f in frames)]), told)
+        poses = np.concatenate([start[None], *(f.substeps for f in frames)])
+        return self.judge_poses(poses, told, near)
 
-    def judge_poses(self, poses, told=None) -> Verdict:
+    def judge_poses(self, poses, told=None, near=NEAR) -> Verdict:
         """`poses`: consecutive coordinates (T, nq), the first at index 0; `told`: what is left out
-        (`told_inside`), of all but the start's distance."""
-        verdict = Verdict(poses=len(poses) - 1)
+        (`told_inside`), of all but the start's distance; `near`: gaps beyond it are not asked for,
+        at most `NEAR` [m]."""
+        verdict = Verdict(poses=len(poses) - 1, near=near)
         for first in range(0, max(1, len(poses) - 1), CHUNK):
             for pieces in self.pieces:
                 at = pieces.at(poses[first : first + CHUNK + 1])

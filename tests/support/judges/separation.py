@@ -34,7 +34,7 @@ def planes(clouds, highest, guess, far, settle=False):
     normal, proven = np.zeros((len(clouds), 3)), np.full(len(clouds), -np.inf)
     pair, nearest, triangle = np.arange(len(clouds)), guess, None
     for _ in range(STEPS):
-        size = np.linalg.norm(nearest, axis=1)
+        size = _length(nearest)
         n = nearest / np.maximum(size, TINY)[:, None]
         heights = np.einsum("kmi,ki->km", clouds, n)
         low = clouds[np.arange(len(pair)), heights.argmin(axis=1)]
@@ -46,7 +46,7 @@ def planes(clouds, highest, guess, far, settle=False):
             triangle, nearest = np.repeat(newest[:, None], 3, axis=1), newest
         else:
             triangle, nearest = _nearer(triangle, newest)
-        size = np.linalg.norm(nearest, axis=1)  # the distance is not larger
+        size = _length(nearest)  # the distance is not larger
         left = (proven[pair] < far) & (size - proven[pair] > ACCURACY)
         left &= size > (TINY if settle else far)
         if not left.any():
@@ -64,9 +64,9 @@ def planes(clouds, highest, guess, far, settle=False):
 def _nearer(triangle, point):
     """Of the tetrahedra of triangles (k, 3, 3) and points (k, 3): the side with the point nearest
     to the origin, among those at the point; and that nearest point (k, 3)."""
-    a, b = triangle, triangle[:, [1, 2, 0]]
-    p = np.broadcast_to(point[:, None], a.shape)
-    sides = np.stack([p, a, b], axis=2)  # (k, side, corner, 3)
+    sides = np.empty((len(point), 3, 3, 3))  # (k, side, corner, 3)
+    sides[:, :, 0] = point[:, None]
+    sides[:, :, 1], sides[:, :, 2] = triangle, triangle[:, [1, 2, 0]]
     at = nearest_to_origin(sides.reshape(-1, 3, 3)).reshape(-1, 3, 3)
     best = np.einsum("ksi,ksi->ks", at, at).argmin(axis=1)
     pair = np.arange(len(point))
@@ -83,12 +83,16 @@ def nearest_to_origin(triangles):
     out = on_edge[np.arange(len(edge)), edge]
     up = _cross(edges[:, 0], edges[:, 1])
     area = np.einsum("ki,ki->k", up, up)
-    inside = area > 0.0
-    for k in range(3):
-        inside &= np.einsum("ki,ki->k", _cross(triangles[:, k], edges[:, k]), up) >= 0.0
+    turns = _cross(triangles.reshape(-1, 3), edges.reshape(-1, 3)).reshape(triangles.shape)
+    inside = (area > 0.0) & (np.einsum("kei,ki->ke", turns, up) >= 0.0).all(axis=1)
     height = np.einsum("ki,ki->k", triangles[:, 0], up) / np.where(inside, area, 1.0)
     out[inside] = (height[:, None] * up)[inside]
     return out
+
+
+def _length(a):
+    """Lengths of vectors (k, 3): as quick as `_cross`."""
+    return np.sqrt(np.einsum("ki,ki->k", a, a))
 
 
 def _cross(a, b):

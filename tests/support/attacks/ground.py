@@ -62,12 +62,11 @@ def loose_stairs(rng):
 @family
 def needles(rng):
     """A bed of needles, 3 cm apart, 2 mm thick."""
-    spikes = []
-    for x in np.arange(-1.0, 1.0, 0.05):
-        for y in np.arange(-1.0, 1.0, 0.05):
-            tip = np.array([x, y, 0.0]) + rng.uniform((-0.01, -0.01, -0.03), (0.01, 0.01, 0.0))
-            spikes.append(meshes.spike(tip, (x, y, -0.25), 0.002))
-    return _under(person(rng, DOWN, 1.5, 0.8, flail=0.2), meshes.joined(spikes))
+    x, y = np.meshgrid(np.arange(-1.0, 1.0, 0.05), np.arange(-1.0, 1.0, 0.05), indexing="ij")
+    middle = np.stack([x.ravel(), y.ravel(), np.zeros(x.size)], axis=1)
+    tips = middle + rng.uniform((-0.01, -0.01, -0.03), (0.01, 0.01, 0.0), middle.shape)
+    needles = meshes.spikes(tips, middle - np.array([0.0, 0.0, 0.25]), 0.002)
+    return _under(person(rng, DOWN, 1.5, 0.8, flail=0.2), needles)
 
 
 @family

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import trimesh
 
 
 def mesh(vertices, faces):
     """A `trimesh.Trimesh`, as given."""
-    import trimesh
-
     return trimesh.Trimesh(np.asarray(vertices, float), np.asarray(faces), process=False)
 
 
@@ -65,17 +64,22 @@ def floor(across, corner, size, bump=None):
     return grid(height, across, across, corner, (size[0], 0, 0), (0, size[1], 0))
 
 
-def spike(tip, base, width, sides=3):
-    """A thin pyramid without a bottom from around `base` to `tip`."""
-    tip, base = np.asarray(tip, float), np.asarray(base, float)
-    along = (tip - base) / np.linalg.norm(tip - base)
-    one = np.cross(along, [0.31, 0.52, 0.79])
-    one /= np.linalg.norm(one)
-    two = np.cross(along, one)
-    angle = np.arange(sides) * 2 * np.pi / sides
-    ring = base + width * (np.outer(np.cos(angle), one) + np.outer(np.sin(angle), two))
-    faces = [[k, (k + 1) % sides, sides] for k in range(sides)]
-    return mesh(np.vstack([ring, tip]), faces)
+def spikes(tips, bases, width, sides=3):
+    """Thin pyramids without bottoms from around `bases` (n, 3) to `tips` (n, 3)."""
+    tips, bases = np.asarray(tips, float), np.asarray(bases, float)
+    along = _unit(tips - bases)
+    one = _unit(np.cross(along, [0.31, 0.52, 0.79]))[:, None]
+    two = np.cross(along[:, None], one)
+    angle = (np.arange(sides) * 2 * np.pi / sides)[:, None]
+    ring = bases[:, None] + width * (np.cos(angle) * one + np.sin(angle) * two)
+    faces = np.array([[k, (k + 1) % sides, sides] for k in range(sides)])
+    first = (sides + 1) * np.arange(len(tips))[:, None, None]
+    vertices = np.concatenate([ring, tips[:, None]], axis=1)
+    return mesh(vertices.reshape(-1, 3), (faces + first).reshape(-1, 3))
+
+
+def _unit(vectors):
+    return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
 
 
 def scattered(rng, count, low, high, size):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import trimesh
 
 from halfphysics.base import rotations as rot
 from halfphysics.geometry.shapes import Box, Plane, Sphere
@@ -56,8 +57,6 @@ def stamp(rng):
 @family
 def mesh_stamp(rng):
     """A finely cut block that stamps on a fine mesh which the person holds a hand over."""
-    import trimesh
-
     scene = Scene()
     scene.add_static("floor", meshes.floor(60, (-1.5, -1.5, -MARGIN), (3.0, 3.0)))
     ball = trimesh.creation.icosphere(subdivisions=4, radius=0.12)
@@ -95,8 +94,6 @@ def fan(rng):
 @family
 def turntable(rng):
     """A fine disc under the feet that turns and rises."""
-    import trimesh
-
     disc = trimesh.creation.cylinder(1.0, height=0.05, sections=200)
     disc = disc.subdivide()
     count = 31

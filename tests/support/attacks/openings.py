@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import trimesh
 
 from halfphysics.geometry.shapes import Box, Cylinder
 from halfphysics.scene.scene import Scene
@@ -29,8 +30,6 @@ def _one(motion, shape, **settings):
 @family
 def ring_net(rng):
     """A net of rings, thousands of triangles, that the person runs into."""
-    import trimesh
-
     rings = []
     for y in np.arange(-0.9, 0.95, 0.09):
         for z in np.arange(0.1, 1.8, 0.09):
@@ -52,8 +51,6 @@ def fine_tube(rng):
 @family
 def ring(rng):
     """A ring little wider than the hand."""
-    import trimesh
-
     motion, tip = _hand(rng, 1.5)
     hoop = trimesh.creation.torus(rng.uniform(0.05, 0.08), 0.005)
     hoop.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 2, [1, 0, 0]))
@@ -131,8 +128,6 @@ def cage(rng):
 @family
 def hoops(rng):
     """Rings of triangles around both arms, already on them, while the arms thrash."""
-    import trimesh
-
     motion = person(rng, speed=0.3, seconds=0.8, flail=0.0)
     swing = person(rng, speed=0.3, seconds=0.8, flail=0.5).rotations
     ramp = np.minimum(np.arange(len(motion)) / 5.0, 1.0)[:, None, None]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import trimesh
 
 from halfphysics.geometry.shapes import Box, Plane, Sphere
 from halfphysics.scene.scene import Scene
@@ -64,19 +65,16 @@ def foam(rng):
 @family
 def brush(rng):
     """Bristles towards the person, a centimetre apart."""
-    spikes = []
-    for y in np.arange(-0.5, 0.5, 0.025):
-        for z in np.arange(0.2, 1.6, 0.025):
-            tip = np.array([0.0, y, z]) + rng.uniform((0.0, -0.01, -0.01), (0.03, 0.01, 0.01))
-            spikes.append(meshes.spike(tip, (0.2, y, z), 0.001))
-    return _ahead(person(rng, speed=1.5, seconds=0.7, flail=0.2), meshes.joined(spikes))
+    y, z = np.meshgrid(np.arange(-0.5, 0.5, 0.025), np.arange(0.2, 1.6, 0.025), indexing="ij")
+    middle = np.stack([np.zeros(y.size), y.ravel(), z.ravel()], axis=1)
+    tips = middle + rng.uniform((0.0, -0.01, -0.01), (0.03, 0.01, 0.01), middle.shape)
+    bristles = meshes.spikes(tips, middle + np.array([0.2, 0.0, 0.0]), 0.001)
+    return _ahead(person(rng, speed=1.5, seconds=0.7, flail=0.2), bristles)
 
 
 @family
 def fine_ball(rng):
     """A ball of 80,000 triangles at the hip."""
-    import trimesh
-
     ball = trimesh.creation.icosphere(subdivisions=6, radius=0.4)
     return _ahead(person(rng, speed=2.0, seconds=0.7, flail=0.3), ball, (0.4 + MARGIN, 0.0, 0.9))
 
@@ -125,8 +123,6 @@ def behind_hulls(rng):
 @family
 def behind_ball(rng):
     """A ball at 5 m/s with tiny triangles behind it and a plate 15 mm ahead."""
-    import trimesh
-
     ball = trimesh.creation.icosphere(subdivisions=2, radius=0.1)
     at = np.array([2.0, 0.0, 1.0])
     plate = np.array([[0.115, -0.3, -0.3], [0.115, 0.3, -0.3], [0.115, 0.3, 0.3]])
@@ -166,8 +162,6 @@ def heavy_on_light(rng):
 @family
 def thrown_at(rng):
     """Fine meshes thrown at the person."""
-    import trimesh
-
     scene = Scene()
     for k in range(3):
         ball = trimesh.creation.icosphere(subdivisions=4, radius=0.08)

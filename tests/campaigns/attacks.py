@@ -163,13 +163,15 @@ def judged(run: Run) -> dict[str, object]:
     """Gaps of people to statics, and of all else that moves, and crossings, at every substep.
 
     What the run itself says to be inside something is left out while it says so, of all but the
-    start's gap: such starts are judged by `campaigns.starts`.
+    start's gap: such starts are judged by `campaigns.starts`. It may say so of nothing later that
+    it does not say of the start.
     """
-    told = told_inside(run.simulator.world, [run.reset, *run.frames])
+    world = run.simulator.world
+    told = told_inside(world, [run.reset, *run.frames])
     people = Judge(run.simulator).judge(run.start, run.frames, told, NEAR)
     gap, pair, inside = people.gap, people.where[:2], len(people.inside)
     first = people.start
-    if run.simulator.world.objects or len(run.simulator.bodies) > 1:
+    if world.objects or len(run.simulator.bodies) > 1:
         watch = Watch(run.simulator)
         first = min(first, watch.gap(run.start, statics="things")[0])
         poses = np.concatenate([f.substeps for f in run.frames])
@@ -181,6 +183,7 @@ def judged(run: Run) -> dict[str, object]:
         "pair": "/".join(pair),
         "inside": inside,
         "crossed": len(people.crossed),
+        "later": len(set(told) - set(told_inside(world, [run.reset]))),
     }
 
 
@@ -234,6 +237,8 @@ def complaints(row: dict) -> list[str]:
         out.append(f"{-gap:.4f} mm deep {row['pair']} at {row['inside']} poses, {told}")
     if row["crossed"] and not row["breaches"]:
         out.append(f"{row['crossed']} crossings, UNREPORTED")
+    if row["later"]:
+        out.append(f"{row['later']} pairs are told to be inside that started clear")
     return out
 
 

@@ -182,6 +182,13 @@ bool Depenetration::reroute(const Model& m, Poses& start) {
   avoid_ = (1 / norm(first.exit)) * first.exit;
   begin(m, start, again, tune::kMostExitTests);
   avoid_ = {};
+  // What was clear stays so, cut off by now or not: no other part of the person gets a way out.
+  const auto other = [&](const InitialOverlap& in) {
+    return std::none_of(again.begin(), again.end(),
+                        [&](const PairId& pair) { return pair.shape == in.shape; });
+  };
+  overlaps_.erase(std::remove_if(overlaps_.begin() + (long)kept.size(), overlaps_.end(), other),
+                  overlaps_.end());
   bool found = true;
   for (size_t k = kept.size(); k < overlaps_.size(); k++) found &= !overlaps_[k].no_exit;
   if (!found) overlaps_ = before;

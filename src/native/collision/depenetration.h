@@ -9,8 +9,9 @@
 //
 // In a substep of length h, s grows so far that no plane of the displaced shape is entered by more
 // than `growth` times the depenetration speed times h, less over the last centimetre. A group that
-// hardly progresses for some substeps tries another direction. Limits: displacements are at most
-// 0.6 m long; where none fits, no contact holds the pair until it is clear by itself.
+// hardly progresses for some substeps tries another direction, without what is clear by then.
+// Limits: displacements are at most 0.6 m long; where none fits, no contact holds the pair until it
+// is clear by itself.
 #pragma once
 #include <utility>
 #include <vector>

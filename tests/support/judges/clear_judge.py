@@ -32,7 +32,8 @@ from support.judges.person_hulls import pieces_of
 NEAR = 0.005
 #: Accuracy of coal's own distances [m].
 ROUNDING = 1e-6
-#: With `told`, what starts no deeper in something than this touches it: nothing is told of it [m].
+#: With `told`, what starts no deeper in something than this touches it until it is clear: nothing
+#: is told of it [m].
 TOUCH = 1e-4
 #: A plane that is to separate has this much room [m]: rounding of coordinates.
 ROOM = 1e-9
@@ -220,9 +221,15 @@ class _Chunk:
             found = self.statics[k].distance(self.at.points(i, pose), self.at.solid(i, pose))
             self.known[k, i, pose] = found
             where = self.at.pieces.names[i], self.statics[k].name, self.first + pose
-            touches = where[2] == 0 and -self.touch <= found[0] <= 0.0
+            touches = self._touches(k, i, pose)
             _note(self.verdict, found[0], where, touches or pose <= self.told[k, i])
         return self.known[k, i, pose]
+
+    def _touches(self, k, i, pose):
+        """Has a piece touched a static since the first pose of all?"""
+        if not -self.touch <= self._exact(k, i, pose)[0] <= 0.0:
+            return False
+        return self._touches(k, i, pose - 1) if pose > 0 else self.first == 0
 
 
 def told_inside(world, frames):

@@ -122,6 +122,18 @@ def test_a_start_that_touches_need_not_be_told(body, depth, clear):
     assert not Judge(simulator).judge_poses(poses).clear
 
 
+def test_what_touched_at_the_start_may_not_touch_again(body):
+    """A first step that is lost as a whole is no breach; a foot that comes back is one."""
+    scene = Scene()
+    lowest = body.vertices(t_pose(np.zeros((2, 3))), frames=[0])[0, :, 2].min()
+    scene.add_static("it", Box((3.0, 3.0, 1.0)), position=(0.0, 0.0, -0.5))
+    heights = np.array([-5e-5, -5e-5, 0.001, -5e-5])
+    motion = t_pose(np.outer(heights - lowest, [0.0, 0.0, 1.0]))
+    simulator = Simulator(scene, body=body, fps=motion.fps)
+    poses = np.array([simulator.world.start([motion[t]])[0] for t in range(len(motion))])
+    assert Judge(simulator).judge_poses(poses, {}).inside == {3}
+
+
 def test_a_run_tells_what_is_inside_and_until_when(body):
     """The hands in a wall at the start: of them alone it is told, until they are out."""
     scene = Scene()

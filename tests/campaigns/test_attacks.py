@@ -83,6 +83,15 @@ def test_what_is_not_told_to_be_inside_is_clear(family, seed):
     assert clearness(row) == []
 
 
+def test_pieces_that_all_islands_make_are_clear():
+    """An elbow that was clear at the end of its step went 39 um into a mesh with the share that
+    things elsewhere could make of theirs."""
+    row = run(Case("heavy_on_light", 3070002, fuzz=True), 10)
+    assert row["start_mm"] > 0.0
+    assert row["breaches"] == 0
+    assert clearness(row) == []
+
+
 @pytest.mark.parametrize(("family", "seed"), COSTLY)
 def test_no_frame_costs_much_more_than_its_budget(family, seed):
     """Of what is charged; what is not, the CPU time of `campaigns.attacks` shows."""

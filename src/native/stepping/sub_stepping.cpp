@@ -253,6 +253,20 @@ void SubStepping::record(double h, const std::vector<double>& share) {
   data_.soft.record(system_, data_, h, share);
 }
 
+// Islands found their shares each by itself: are all active trees clear at the least of these, too? What is
+// clear at the end of its step need not be half-way.
+bool SubStepping::clear_together(const std::vector<double>& share, double least, double h) {
+  const Model& model = system_.model;
+  const auto active = [&](int b) { return system_.world.active[b] != 0; };
+  bool differ = false;
+  for (int b = 1; b < model.nbody; b++) differ |= active(b) && share[b] != least;
+  if (!differ) return true;
+  const std::vector<char> ok = clear(std::vector<double>(model.nbody, least), h);
+  for (int b = 1; b < model.nbody; b++)
+    if (active(b) && !ok[data_.islands.of_tree(model.root[b])]) return false;
+  return true;
+}
+
 // Active trees try to make the rest of their step, `left`, in pieces short enough. Returns the time
 // that is lost.
 double SubStepping::catch_up(double h, double left, bool begun) {
@@ -281,6 +295,7 @@ double SubStepping::catch_up(double h, double left, bool begun) {
     double least = 1;
     for (int b = 1; b < model.nbody && !share.empty(); b++)
       if (active[b]) least = std::min(least, share[b]);
+    if (least < 1 && !clear_together(share, least, length)) least = 0;
     if (least < tune::kLeastShare && piece < tune::kMostPieces) {
       length *= tune::kShorterPiece;
       continue;

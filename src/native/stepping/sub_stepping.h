@@ -45,6 +45,7 @@ class SubStepping {
   const std::vector<Breach>& breaches();
   void measure_way();
   void stand_back(std::vector<double>& at, double h);
+  bool clear_together(const std::vector<double>& share, double least, double h);
   void commit(double h, const std::vector<double>& share);
   void record(double h, const std::vector<double>& share);
   std::vector<char> longest(double h, const std::vector<double>& share);

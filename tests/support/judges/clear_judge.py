@@ -127,7 +127,7 @@ class _Chunk:
         self.statics, self.obstacles = judge.statics, judge.obstacles
         self.at, self.first, self.verdict = at, first, verdict
         self.told = last_told - first  # last pose at which a piece is left out (S, P)
-        self.touch = touch  # depth up to which it is left out at the first pose of all [m]
+        self.touch = touch  # depth up to which it is left out until it is first clear [m]
         # Boxes of the statics (S, 1, 3).
         self.lows, self.highs = (
             np.array([getattr(s, k) for s in self.statics])[:, None] for k in ("low", "high")

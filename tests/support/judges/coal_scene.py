@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import coal
 import numpy as np
@@ -28,12 +30,18 @@ SIDES = 32
 @dataclass
 class _Solid:
     """A solid that stays where it is: box [m], owner (a static or an articulated object), and
-    coal's geometry and place."""
+    coal's geometry, made when it is first asked for, and place."""
 
     owner: str
     low: np.ndarray
     high: np.ndarray
-    solid: tuple
+    make: Callable[[], object]
+    place: object
+
+    @property
+    def solid(self):
+        """coal's geometry and place."""
+        return self.make(), self.place
 
 
 def _bounds(geometry, turn, position):
@@ -112,14 +120,17 @@ class Watch:
     @staticmethod
     def _static(s):
         turn, position = rot.to_matrix(s.quaternion), np.asarray(s.position, float)
-        shape, place = coal_shape(s.shape, solid=False), coal.Transform3s(turn, position)
+        make, place = (
+            cache(lambda: coal_shape(s.shape, solid=False)),
+            coal.Transform3s(turn, position),
+        )
         low, high = np.full(3, -np.inf), np.full(3, np.inf)
         if isinstance(s.shape, Mesh):
             corners = np.asarray(s.shape.vertices) @ turn.T + position
             low, high = corners.min(axis=0), corners.max(axis=0)
         elif not isinstance(s.shape, Plane):
-            low, high = _bounds(shape, turn, position)
-        return _Solid(s.name, low, high, (shape, place))
+            low, high = _bounds(make(), turn, position)
+        return _Solid(s.name, low, high, make, place)
 
     @staticmethod
     def _placed(name, solid, shape, pose):
@@ -127,7 +138,7 @@ class Watch:
         position, turn = solid.at(pose[0], rot.to_matrix(rot.normalize(pose[1])))
         place = coal.Transform3s(turn, position)
         low, high = _bounds(shape, turn, position)
-        return _Solid(name, low, high, (shape, place))
+        return _Solid(name, low, high, lambda: shape, place)
 
     def gap(self, qpos, against_objects=True, statics="all"):
         """Smallest distance at one pose (inf: beyond `NEAR`), and the two items.

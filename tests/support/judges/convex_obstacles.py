@@ -41,7 +41,7 @@ class Obstacles:
         reach = reach + np.linalg.norm(self._disc, axis=1)
         low[self._facets :] -= reach
         high[self._facets :] += reach
-        self._middle = 0.5 * (low + high)
+        self._low, self._high = low, high
         self._boxes = Boxes(low, high) if len(low) else None
 
     def highest(self, which, n):
@@ -75,7 +75,11 @@ class Obstacles:
             settle: What is not proven is an estimate of the distance; without, any smaller number.
         """
         out = np.full(len(clouds), float(far))
-        away = -nearest_to_origin(self._core[which] - middle[cloud, None])
+        at = middle[cloud]
+        if settle:  # the nearest obstacle's distance is the estimate
+            away = nearest_to_origin(self._core[which] - at[:, None])
+        else:  # for proofs any order will do: by the obstacles' boxes
+            away = at - np.clip(at, self._low[which], self._high[which])
         front = -np.einsum("ki,ki->k", away, away)
         while len(cloud):
             # Of each cloud the foremost obstacle that is left.
@@ -86,7 +90,7 @@ class Obstacles:
             n, d = planes(
                 clouds[who],
                 lambda i, n, what=what: self.highest(what[i], n),
-                away[chosen],
+                -nearest_to_origin(self._core[what] - middle[who, None]),
                 far,
                 settle,
             )
@@ -97,7 +101,7 @@ class Obstacles:
             front = top - bottom[some]
             left = (front > -far) & (d >= far)[some]
             left[chosen] = False
-            cloud, which, front, away = cloud[left], which[left], front[left], away[left]
+            cloud, which, front = cloud[left], which[left], front[left]
         return out
 
 

@@ -40,7 +40,7 @@ def planes(clouds, highest, guess, far, settle=False):
         low = clouds[np.arange(len(pair)), heights.argmin(axis=1)]
         newest = low - highest(pair, n)
         d = np.einsum("ki,ki->k", newest, n)
-        better = d > proven[pair]
+        better = (d > proven[pair]) & (size > TINY)  # without a direction nothing is proven
         normal[pair[better]], proven[pair[better]] = n[better], d[better]
         if triangle is None:
             triangle, nearest = np.repeat(newest[:, None], 3, axis=1), newest

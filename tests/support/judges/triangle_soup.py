@@ -17,29 +17,17 @@ RAY = np.array([0.2367, -0.1713, 0.9563])
 
 
 class Boxes:
-    """A balanced tree over boxes `low`, `high` (F, d), halved at the middle of the widest side."""
+    """A balanced tree over boxes `low`, `high` (F, d), in the order of Morton's curve."""
 
     def __init__(self, low, high):
         depth = int(np.ceil(np.log2(max(1, len(low)))))
         fill = (1 << depth) - len(low)
         wide = ((0, fill), (0, 0))
+        self.order = np.append(np.argsort(_along_curve(low + high)), len(low) + np.arange(fill))
         # Padding boxes meet no item.
         low = np.pad(low, wide, constant_values=np.inf)
         high = np.pad(high, wide, constant_values=-np.inf)
-        middle = 0.5 * (low + np.where(np.isinf(high), np.inf, high))
-        below, above = np.ascontiguousarray(low.T), np.ascontiguousarray(high.T)
-        order = np.arange(1 << depth)
-        for level in range(depth):
-            groups = order.reshape(1 << level, -1)
-            bottom, top = below[:, order], above[:, order]
-            for _ in range(depth - level):  # numpy is slow along short rows
-                bottom = np.minimum(bottom[:, ::2], bottom[:, 1::2])
-                top = np.maximum(top[:, ::2], top[:, 1::2])
-            axis = np.argmax(top - bottom, axis=0)
-            along = np.argsort(middle[groups, axis[:, None]], axis=1, kind="stable")
-            order = np.take_along_axis(groups, along, axis=1).ravel()
-        self.order = order
-        self.levels = [(low[order], high[order])]
+        self.levels = [(low[self.order], high[self.order])]
         for _ in range(depth):
             below, above = self.levels[0]
             ends = np.minimum(below[::2], below[1::2]), np.maximum(above[::2], above[1::2])
@@ -75,6 +63,20 @@ class Boxes:
             return out
 
         return self.pairs(len(low), meets)
+
+
+def _along_curve(points):
+    """Places (F,) of points (F, d) on Morton's curve: the bits of their coordinates take turns."""
+    if not len(points):
+        return np.zeros(0, dtype=np.int64)
+    bits = 60 // points.shape[1]
+    extent = np.maximum(np.ptp(points, axis=0).max(), np.finfo(float).tiny)
+    cells = ((points - points.min(axis=0)) * ((1 << bits) - 1) / extent).astype(np.int64)
+    place = np.zeros(len(points), dtype=np.int64)
+    for bit in range(bits - 1, -1, -1):
+        for along in cells.T:
+            place = (place << 1) | ((along >> bit) & 1)
+    return place
 
 
 def triangle_boxes(triangles):

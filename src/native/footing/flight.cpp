@@ -8,11 +8,12 @@ namespace hp {
 
 namespace tune = tuning::footing;
 
-void Flight::see(double root, double lowest, double time, double gravity) {
+void Flight::see(double root, double lowest, bool rests, double time, double gravity) {
   if (seen_ && time > tune::kNoTime) {
     const double climbs = (root - root_) / time;
-    flies_ = climbs - past_ < -tune::kFlies * gravity * tune::kFlightTime ||
-             lowest - lowest_ > tune::kMoves * time;
+    const bool gains = climbs - past_ < -tune::kFlies * gravity * tune::kFlightTime;
+    const bool leaves = lowest - lowest_ > tune::kMoves * time;
+    flies_ = leaves || (gains && (flies_ || !rests));
     past_ += (1 - elementary::exp(-time / tune::kFlightTime)) * (climbs - past_);
   }
   seen_ = true;

@@ -5,6 +5,8 @@
 // sliding feet, by what is lowest. The gain is that of the root's height z against its own past:
 //
 //   z' - u < -kFlies g kFlightTime,   kFlightTime u' = z' - u
+//
+// Who stands does not begin to fly by gaining so much: a walk does, where its trunk comes down on the next foot.
 #pragma once
 #include <vector>
 
@@ -15,8 +17,8 @@ namespace hp {
 class Flight {
  public:
   // A frame of the reference, `time` after the one before [s] (none: it stands still): the height of its root
-  // and that of its lowest point [m].
-  void see(double root, double lowest, double time, double gravity);
+  // and that of its lowest point [m]; `rests`: something as low as this is still.
+  void see(double root, double lowest, bool rests, double time, double gravity);
   bool flies() const { return flies_; }
   double lowest() const { return lowest_; }
 

@@ -63,7 +63,10 @@ void Stance::find_points(const FootingModel& model, const View& view) {
   started_ = true;
   double lowest = 1e300;
   for (const Vec3& p : own_points_) lowest = std::min(lowest, p.z);
-  flight_.see(kin.xpos[root_].z, lowest, view.passed, view.gravity);
+  bool rests = false;
+  for (size_t i = 0; i < own_points_.size(); i++)
+    rests |= speed[i] < tune::kRests && own_points_[i].z < lowest + tune::kLow;
+  flight_.see(kin.xpos[root_].z, lowest, rests, view.passed, view.gravity);
 }
 
 // What rests, and how feet are turned: by how they have been left behind, and level for who waits.

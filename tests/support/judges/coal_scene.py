@@ -120,10 +120,8 @@ class Watch:
     @staticmethod
     def _static(s):
         turn, position = rot.to_matrix(s.quaternion), np.asarray(s.position, float)
-        make, place = (
-            cache(lambda: coal_shape(s.shape, solid=False)),
-            coal.Transform3s(turn, position),
-        )
+        make = cache(lambda: coal_shape(s.shape, solid=False))
+        place = coal.Transform3s(turn, position)
         low, high = np.full(3, -np.inf), np.full(3, np.inf)
         if isinstance(s.shape, Mesh):
             corners = np.asarray(s.shape.vertices) @ turn.T + position

@@ -64,3 +64,14 @@ def test_nearest_points_of_triangles_are_as_far_as_their_distances():
     far = to_triangles(np.zeros((2000, 3)), triangles)
     np.testing.assert_allclose(np.linalg.norm(near, axis=1), far, atol=1e-9)
     assert to_triangles(near, triangles).max() < 1e-9
+
+
+def test_without_a_direction_nothing_is_proven():
+    """Two clouds in one place, searched from no direction: no plane separates them."""
+    cloud = np.random.default_rng(3).uniform(-1.0, 1.0, size=(1, 20, 3))
+
+    def highest(pair, n):
+        return cloud[pair, np.einsum("kmi,ki->km", cloud[pair], n).argmax(axis=1)]
+
+    _, proven = planes(cloud, highest, np.zeros((1, 3)), 0.0)
+    assert proven[0] < 0.0

@@ -92,6 +92,8 @@ constexpr double kSameArea = 1e-9;
 // Overlaps of a shape and a triangle up to this deep count as touching [m]: what was set down exactly
 // on a surface. More, and a limb may start that deep in a sheet without being moved out.
 constexpr double kMeshTouch = 1e-4;
+// What a shape touches is moved off it by the first, or so many times more, up to the last [m].
+constexpr double kMovesOff = 1e-5, kMovesOn = 10, kMostMovedOff = 0.1;
 // Triangles whose doubled area is less have no normal [m^2].
 constexpr double kNoTriangle = 1e-14;
 // A box, a triangle, may stick out of the plane that culls it by this [m]: neighbours in a flat face
@@ -227,8 +229,9 @@ constexpr int kRimSides = 32;
 
 // End check (end_check.h): overlaps up to the first of these are rounding of what is set down exactly;
 // deeper ones are breaches, and those that were deeper before if they grow by more than the second, the noise of
-// measuring [m]. At 2e-7, in steps that were shortened again and again, overlaps grew to 7e-6.
-constexpr double kBreach = 1e-6, kDeeper = 1e-9;
+// measuring [m]. At 2e-7, in steps that were shortened again and again, overlaps grew to 7e-6. What other
+// measures of the same say stays within 1e-6.
+constexpr double kBreach = 9e-7, kDeeper = 1e-9;
 // Distances from triangles and shapes are looked for up to this [m]; no result depends on it.
 constexpr double kEndLook = 5e-3;
 

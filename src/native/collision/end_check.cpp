@@ -80,7 +80,7 @@ bool EndCheck::exempt(const BroadPhasePair& e) const {
 
 bool EndCheck::breached(Poses& start, const BroadPhasePair& e, double gap) {
   if (gap >= -tune::kBreach) return false;
-  SeparatingAxes axes;
+  SeparatingAxes axes = e.axes;
   const double before = this->gap(start, e, axes);
   if (before >= -tune::kBreach) return true;
   // Overlaps at the start of the simulation come out along a direction that is not the shortest.
@@ -105,7 +105,7 @@ const std::vector<Breach>& EndCheck::find(Poses& start, Poses& end, const std::v
     if (known > went) continue;
     if (!world_.takes_part(e) || exempt(e)) continue;
     if (!e.own) went = pair_travel(world_, e, start, end, way);
-    if (known > went) continue;
+    if (known > went || went == 0) continue;  // what stays where it is breaches nothing
     // Most of a person's pairs are apart by their spheres, for which nothing is posed: gap() tries them first.
     const double left = e.own ? 0.0 : room_at(start, e) - went;
     const double now = left > 0 ? left : gap(end, e, e.axes);

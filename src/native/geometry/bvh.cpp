@@ -5,6 +5,7 @@
 
 #include "geometry/gjk.h"
 #include "geometry/triangle_points.h"
+#include "geometry/triangle_touch.h"
 #include "tuning.h"
 
 namespace hp {
@@ -49,28 +50,6 @@ struct Queue {
   }
 };
 
-// Point of a triangle nearest to p (Ericson 2005, 5.1.5).
-Vec3 nearest_on(const Vec3 v[3], Vec3 p) {
-  Vec3 ab = v[1] - v[0], ac = v[2] - v[0], ap = p - v[0];
-  double d1 = dot(ab, ap), d2 = dot(ac, ap);
-  if (d1 <= 0 && d2 <= 0) return v[0];
-  Vec3 bp = p - v[1];
-  double d3 = dot(ab, bp), d4 = dot(ac, bp);
-  if (d3 >= 0 && d4 <= d3) return v[1];
-  double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return v[0] + (d1 / (d1 - d3)) * ab;
-  Vec3 cp = p - v[2];
-  double d5 = dot(ab, cp), d6 = dot(ac, cp);
-  if (d6 >= 0 && d5 <= d6) return v[2];
-  double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return v[0] + (d2 / (d2 - d6)) * ac;
-  double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 >= d3 && d5 >= d6)
-    return v[1] + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (v[2] - v[1]);
-  double sum = va + vb + vc;
-  return sum > 0 ? v[0] + (vb / sum) * ab + (vc / sum) * ac : v[0];
-}
-
 // The plane of the nearest points of a shape and a triangle; dist > reach where they are farther.
 Plane plane_to(const PosedShape& a, const Vec3 v[3], int t, double reach, Vec3 guess = {}) {
   const TrianglePoints triangle(v);
@@ -88,7 +67,11 @@ Plane plane_to(const PosedShape& a, const Vec3 v[3], int t, double reach, Vec3 g
     if (d > tune::kTouching || a.lowest(n) - offset > d - r - tune::kSeparates)
       return {n, offset, d - r, t, d - r < -tune::kMeshTouch};
   }
-  // They touch or overlap: the shorter way out along the triangle's own normal.
+  // They touch, along a direction of their own.
+  const Vec3 touch = touch_direction(a, v);
+  const double touches = norm2(touch) > 0 ? a.lowest(touch) - highest(v, touch) : -1e300;
+  if (touches > -tune::kMeshTouch) return {touch, highest(v, touch), touches, t, false};
+  // Or overlap: the shorter way out along the triangle's own normal.
   Vec3 n = cross(v[1] - v[0], v[2] - v[0]);
   double length = norm(n);
   if (length < tune::kNoTriangle) return {{}, 0, 0, t, true};

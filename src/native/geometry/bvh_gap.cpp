@@ -4,6 +4,7 @@
 #include "geometry/bvh.h"
 #include "geometry/gjk.h"
 #include "geometry/triangle_points.h"
+#include "geometry/triangle_touch.h"
 #include "tuning.h"
 
 namespace hp {
@@ -60,8 +61,9 @@ struct Witnesses {
     const Vec3 n = cross(v[1] - v[0], v[2] - v[0]);
     const double length = norm(n);
     if (length < tune::kNoTriangle) return -tune::kMeshTouch;  // no normal to measure along
-    const Vec3 up = (1 / length) * n;
-    return std::max(a.lowest(up) - dot(up, v[0]), a.lowest(-up) + dot(up, v[0]));
+    const Vec3 up = (1 / length) * n, touch = touch_direction(a, v);
+    const double along = std::max(a.lowest(up) - dot(up, v[0]), a.lowest(-up) + dot(up, v[0]));
+    return norm2(touch) > 0 ? std::max(along, a.lowest(touch) - highest(v, touch)) : along;
   }
 };
 
@@ -89,7 +91,7 @@ double TriangleTree::gap(const PosedShape& a, double look, SeparatingAxes& axes,
         triangle(i, v);
         const double known = witnesses.apart(v);
         tests += known > 0 ? tune::kBoxTests : tune::kMeasureTests;
-        least = std::min(least, known > 0 ? known : witnesses.measure(v, look));
+        least = std::min(least, known > 0 ? known : std::max(known, witnesses.measure(v, look)));
       }
     }
   }

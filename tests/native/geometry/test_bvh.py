@@ -38,6 +38,19 @@ def distances(points, corners):
     return np.array([distance(t) for t in corners])
 
 
+@pytest.mark.parametrize("depth", [0.0, 1e-9, 1e-7, 5e-5])
+def test_a_triangle_that_touches_by_its_edge_is_as_deep_as_it_has_gone_in(depth):
+    """Along its normal it is half the cube deep."""
+    half = 0.1
+    cube = half * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
+    edge = depth - half
+    corners = np.array([[0.0, -1.0, edge], [0.0, 1.0, edge], [0.0, 0.0, -1.0]])
+    faces = np.array([[0, 1, 2]])
+    planes, nearest, _ = _native.triangle_planes(corners, faces, cube, 0.0, NO_DISC, 0.01)
+    assert nearest == pytest.approx(-depth, abs=1e-12)
+    assert planes[0][:3] == pytest.approx([0.0, 0.0, 1.0], abs=1e-9)
+
+
 @pytest.mark.parametrize(
     ("count", "near", "far", "fine"),
     [

@@ -229,8 +229,7 @@ constexpr int kRimSides = 32;
 
 // End check (end_check.h): overlaps up to the first of these are rounding of what is set down exactly;
 // deeper ones are breaches, and those that were deeper before if they grow by more than the second, the noise of
-// measuring [m]. At 2e-7, in steps that were shortened again and again, overlaps grew to 7e-6. What other
-// measures of the same say stays within 1e-6.
+// measuring [m]. At 2e-7, in steps that were shortened again and again, overlaps grew to 7e-6.
 constexpr double kBreach = 9e-7, kDeeper = 1e-9;
 // Distances from triangles and shapes are looked for up to this [m]; no result depends on it.
 constexpr double kEndLook = 5e-3;

@@ -36,7 +36,7 @@ double shape_gap(const PosedShape& a, const PosedShape& b, SeparatingAxes& axes,
 }  // namespace
 
 // A lower bound of the distance where it is positive, else minus the depth.
-double EndCheck::gap(Poses& p, const BroadPhasePair& e, SeparatingAxes& axes) {
+double EndCheck::gap(Poses& p, const BroadPhasePair& e, SeparatingAxes& axes, bool least) {
   if (e.own) {  // most of a person's pairs need no vertex posed
     const double apart = spheres_gap(p.cached_bounding_sphere(world_.shapes, e.shape),
                                      p.cached_bounding_sphere(world_.shapes, e.other_shape));
@@ -47,7 +47,7 @@ double EndCheck::gap(Poses& p, const BroadPhasePair& e, SeparatingAxes& axes) {
   const Static& S = world_.statics[e.other_static];
   if (S.kind == Static::Kind::HalfSpace) return a.lowest(S.n) - S.offset;
   if (S.kind == Static::Kind::Hull) return shape_gap(a, S.posed, axes, tests_);
-  return S.tree->gap(a, tune::kEndLook, axes, tests_);
+  return S.tree->gap(a, tune::kEndLook, axes, tests_, least);
 }
 
 // By how much the direction that was found last separates a pair at the start, of those that were measured
@@ -78,15 +78,15 @@ bool EndCheck::exempt(const BroadPhasePair& e) const {
   return in && !in->held_clear();
 }
 
-bool EndCheck::breached(Poses& start, const BroadPhasePair& e, double gap) {
+bool EndCheck::breached(Poses& start, Poses& end, const BroadPhasePair& e, double gap) {
   if (gap >= -tune::kBreach) return false;
   SeparatingAxes axes = e.axes;
-  const double before = this->gap(start, e, axes);
+  const double before = this->gap(start, e, axes, true);
   if (before >= -tune::kBreach) return true;
   // Overlaps at the start of the simulation come out along a direction that is not the shortest.
   const PairState* state = states_.find(e);
   if (state && state->overlapping && before < -tune::kRestingOverlap) return false;
-  return gap < before - tune::kDeeper;
+  return this->gap(end, e, axes, true) < before - tune::kDeeper;
 }
 
 const std::vector<Breach>& EndCheck::find(Poses& start, Poses& end, const std::vector<double>& way,
@@ -110,8 +110,8 @@ const std::vector<Breach>& EndCheck::find(Poses& start, Poses& end, const std::v
     const double left = e.own ? 0.0 : room_at(start, e) - went;
     const double now = left > 0 ? left : gap(end, e, e.axes);
     measured_.push_back({i, std::max(0.0, now)});
-    if (!breached(start, e, now)) continue;
-    found_.push_back({{e.shape, e.other_static, e.other_shape}, -now});
+    if (!breached(start, end, e, now)) continue;
+    found_.push_back({{e.shape, e.other_static, e.other_shape}, -gap(end, e, e.axes, true)});
     pairs_.push_back(i);
   }
   tests_ += tune::kLookTests * measured_.size();
@@ -121,7 +121,7 @@ const std::vector<Breach>& EndCheck::find(Poses& start, Poses& end, const std::v
 bool EndCheck::breached_at(Poses& start, Poses& end, size_t pair) {
   BroadPhasePair& e = broad_phase_.pairs()[pair];
   tests_ += tune::kLookTests;
-  return breached(start, e, gap(end, e, e.axes));
+  return breached(start, end, e, gap(end, e, e.axes));
 }
 
 void EndCheck::commit() {

@@ -52,10 +52,10 @@ class EndCheck {
   void commit();
 
  private:
-  double gap(Poses& p, const BroadPhasePair& e, SeparatingAxes& axes);
+  double gap(Poses& p, const BroadPhasePair& e, SeparatingAxes& axes, bool least = false);
   double room_at(Poses& start, const BroadPhasePair& e) const;
   bool exempt(const BroadPhasePair& e) const;
-  bool breached(Poses& start, const BroadPhasePair& e, double gap);
+  bool breached(Poses& start, Poses& end, const BroadPhasePair& e, double gap);
 
   const CollisionWorld& world_;
   BroadPhase& broad_phase_;

@@ -65,7 +65,10 @@ class TriangleTree {
   // from it; where none does, minus the depth. Directions are sought for up to `look`; the result
   // does not depend on those of `axes`, but for the size of a positive bound. What it costs is added to
   // `tests`.
-  double gap(const PosedShape& a, double look, SeparatingAxes& axes, size_t& tests) const;
+  // `least`: depths are the least that any direction says, else, where GJK has none, those along the triangle's
+  // own normal: too much for one that is met by its edge.
+  double gap(const PosedShape& a, double look, SeparatingAxes& axes, size_t& tests,
+             bool least = false) const;
 
   // Height of the highest triangle straight below `from` whose unit normal has a vertical part of over
   // `least_z`, up or down; -1e300: none.

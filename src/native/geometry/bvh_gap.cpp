@@ -61,16 +61,21 @@ struct Witnesses {
     const Vec3 n = cross(v[1] - v[0], v[2] - v[0]);
     const double length = norm(n);
     if (length < tune::kNoTriangle) return -tune::kMeshTouch;  // no normal to measure along
-    const Vec3 up = (1 / length) * n, touch = touch_direction(a, v);
-    const double along = std::max(a.lowest(up) - dot(up, v[0]), a.lowest(-up) + dot(up, v[0]));
-    return norm2(touch) > 0 ? std::max(along, a.lowest(touch) - highest(v, touch)) : along;
+    const Vec3 up = (1 / length) * n;
+    return std::max(a.lowest(up) - dot(up, v[0]), a.lowest(-up) + dot(up, v[0]));
+  }
+  // The least depth that any direction says, of those that are known and that of the touch.
+  double depth(const Vec3 v[3], double measured) const {
+    const Vec3 touch = touch_direction(a, v);
+    const double touches = norm2(touch) > 0 ? a.lowest(touch) - highest(v, touch) : -1e300;
+    return std::max({measured, apart(v), touches});
   }
 };
 
 }  // namespace
 
-double TriangleTree::gap(const PosedShape& a, double look, SeparatingAxes& axes,
-                         size_t& tests) const {
+double TriangleTree::gap(const PosedShape& a, double look, SeparatingAxes& axes, size_t& tests,
+                         bool least_depth) const {
   static thread_local std::vector<int> stack;
   Witnesses witnesses(a, axes);
   double least = 1e300;
@@ -91,7 +96,8 @@ double TriangleTree::gap(const PosedShape& a, double look, SeparatingAxes& axes,
         triangle(i, v);
         const double known = witnesses.apart(v);
         tests += known > 0 ? tune::kBoxTests : tune::kMeasureTests;
-        least = std::min(least, known > 0 ? known : std::max(known, witnesses.measure(v, look)));
+        const double gap = known > 0 ? known : witnesses.measure(v, look);
+        least = std::min(least, gap > 0 || !least_depth ? gap : witnesses.depth(v, gap));
       }
     }
   }

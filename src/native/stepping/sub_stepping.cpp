@@ -199,7 +199,8 @@ void SubStepping::commit(double h, const std::vector<double>& share) {
   diagnostics.friction_tolerances =
       std::max(diagnostics.friction_tolerances, friction * h / world.settings.tolerance);
   record(h, share);
-  for (const Breach& k : breaches()) data_.result.add(k);
+  for (const Breach& k : breaches())
+    if (k.depth > tuning::collision::kBreach) data_.result.add(k);
   world.broad_phase.travel(way_, inner_);
   forget_shared_travel(world, world.broad_phase.pairs(), state.pose, step.end, way_);
   world.end_check.commit();

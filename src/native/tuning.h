@@ -87,13 +87,16 @@ constexpr double kSameCorner = 1e-9, kStraight = 1e-12;
 // A face that was cut lost nothing if its area is the same up to this share [-]: rounding.
 constexpr double kSameArea = 1e-9;
 
+// triangle_touch.cpp
+
+// What a shape touches is moved off it by the first, or so many times more, up to the last [m].
+constexpr double kMovesOff = 1e-5, kMovesOn = 10, kMostMovedOff = 0.1;
+
 // bvh.cpp, bvh_build.cpp
 
 // Overlaps of a shape and a triangle up to this deep count as touching [m]: what was set down exactly
 // on a surface. More, and a limb may start that deep in a sheet without being moved out.
 constexpr double kMeshTouch = 1e-4;
-// What a shape touches is moved off it by the first, or so many times more, up to the last [m].
-constexpr double kMovesOff = 1e-5, kMovesOn = 10, kMostMovedOff = 0.1;
 // Triangles whose doubled area is less have no normal [m^2].
 constexpr double kNoTriangle = 1e-14;
 // A box, a triangle, may stick out of the plane that culls it by this [m]: neighbours in a flat face
@@ -107,8 +110,8 @@ constexpr size_t kManyPlanes = 256, kMostPlanes = 2048;
 constexpr double kEnoughReach = 5e-3;
 // The same for tests of boxes and triangles against planes, some 2 ns each.
 constexpr size_t kManyTests = 200000, kMostTests = 2000000;
-// What opening a box, and measuring a triangle or a hull, costs in such tests.
-constexpr size_t kBoxTests = 4, kMeasureTests = 150;
+// What opening a box costs in such tests, measuring a triangle or a hull, and looking for a touch.
+constexpr size_t kBoxTests = 4, kMeasureTests = 150, kTouchTests = 750;
 // Planes that cull others without being a result. Each is tested against every box and triangle: many
 // cost more than they save. No result depends on it.
 constexpr size_t kMostCullers = 12;

@@ -89,12 +89,11 @@ bool EndCheck::breached(Poses& start, Poses& end, const BroadPhasePair& e, doubl
   return this->gap(end, e, axes, true) < before - tune::kDeeper;
 }
 
-const std::vector<Breach>& EndCheck::find(Poses& start, Poses& end, const std::vector<double>& way,
+const std::vector<size_t>& EndCheck::find(Poses& start, Poses& end, const std::vector<double>& way,
                                           const std::vector<double>& inner) {
-  if (stamp_ == end.stamp) return found_;
+  if (stamp_ == end.stamp) return breached_;
   stamp_ = end.stamp;
-  found_.clear();
-  pairs_.clear();
+  breached_.clear();
   measured_.clear();
   std::vector<BroadPhasePair>& pairs = broad_phase_.pairs();
   for (size_t i = 0; i < pairs.size(); i++) {
@@ -105,17 +104,16 @@ const std::vector<Breach>& EndCheck::find(Poses& start, Poses& end, const std::v
     if (known > went) continue;
     if (!world_.takes_part(e) || exempt(e)) continue;
     if (!e.own) went = pair_travel(world_, e, start, end, way);
-    if (known > went || went == 0) continue;  // what stays where it is breaches nothing
+    // What stays where it is breaches nothing; of a touch that the normal says is deep gap() does.
+    if (known > went || went == 0) continue;
     // Most of a person's pairs are apart by their spheres, for which nothing is posed: gap() tries them first.
     const double left = e.own ? 0.0 : room_at(start, e) - went;
     const double now = left > 0 ? left : gap(end, e, e.axes);
     measured_.push_back({i, std::max(0.0, now)});
-    if (!breached(start, end, e, now)) continue;
-    found_.push_back({{e.shape, e.other_static, e.other_shape}, -gap(end, e, e.axes, true)});
-    pairs_.push_back(i);
+    if (breached(start, end, e, now)) breached_.push_back(i);
   }
   tests_ += tune::kLookTests * measured_.size();
-  return found_;
+  return breached_;
 }
 
 bool EndCheck::breached_at(Poses& start, Poses& end, size_t pair) {
@@ -124,13 +122,20 @@ bool EndCheck::breached_at(Poses& start, Poses& end, size_t pair) {
   return breached(start, end, e, gap(end, e, e.axes));
 }
 
-void EndCheck::commit() {
+std::vector<Breach> EndCheck::commit(Poses& end) {
   std::vector<BroadPhasePair>& pairs = broad_phase_.pairs();
   for (const Measured& k : measured_) {
     pairs[k.pair].room = k.room;
     pairs[k.pair].room_at = broad_phase_.travelled(pairs[k.pair]);
   }
   measured_.clear();
+  std::vector<Breach> out;
+  for (size_t i : breached_) {
+    BroadPhasePair& e = pairs[i];
+    const double depth = -gap(end, e, e.axes, true);
+    if (depth > tune::kBreach) out.push_back({{e.shape, e.other_static, e.other_shape}, depth});
+  }
+  return out;
 }
 
 }  // namespace hp

@@ -38,18 +38,18 @@ class EndCheck {
         depenetration_(depenetration),
         parting_(parting) {}
 
-  // The breaches at the end of a step, on which no shape travels farther than `way`, seen from its
-  // root `inner` (empty without self-contact). Once per end pose.
-  const std::vector<Breach>& find(Poses& start, Poses& end, const std::vector<double>& way,
+  // Indices, in the broad phase's list, of pairs that breach the end of a step, on which no shape travels
+  // farther than `way`, seen from its root `inner` (empty without self-contact). Once per end pose.
+  const std::vector<size_t>& find(Poses& start, Poses& end, const std::vector<double>& way,
                                   const std::vector<double>& inner);
-  // Indices of their pairs in the broad phase's list.
-  const std::vector<size_t>& pairs() const { return pairs_; }
   // Is such a pair breached at another end, too?
   bool breached_at(Poses& start, Poses& end, size_t pair);
   // What has been spent since this was last asked (geometry/bvh.h).
   size_t take_tests() { return std::exchange(tests_, 0); }
-  // The end that was looked at last is the pose from now on, and the broad phase knows.
-  void commit();
+  // The end that was looked at last is the pose from now on, and the broad phase knows. Returns what is
+  // breached there: the depth along the normal of a triangle, by which find() refuses a step, may be that of
+  // a touch, and a touch is none.
+  std::vector<Breach> commit(Poses& end);
 
  private:
   double gap(Poses& p, const BroadPhasePair& e, SeparatingAxes& axes, bool least = false);
@@ -62,15 +62,14 @@ class EndCheck {
   PairStates& states_;
   Depenetration& depenetration_;
   const PeopleParting& parting_;
-  std::vector<Breach> found_;
-  std::vector<size_t> pairs_;
+  std::vector<size_t> breached_;  // indices into the list
   struct Measured {
     size_t pair;  // index into the list
     double room;
   };
   std::vector<Measured> measured_;
   size_t tests_ = 0;
-  uint64_t stamp_ = 0;  // of the end pose that `found_` and `measured_` are of
+  uint64_t stamp_ = 0;  // of the end pose that `breached_` and `measured_` are of
 };
 
 }  // namespace hp

@@ -67,11 +67,7 @@ Plane plane_to(const PosedShape& a, const Vec3 v[3], int t, double reach, Vec3 g
     if (d > tune::kTouching || a.lowest(n) - offset > d - r - tune::kSeparates)
       return {n, offset, d - r, t, d - r < -tune::kMeshTouch};
   }
-  // They touch, along a direction of their own.
-  const Vec3 touch = touch_direction(a, v);
-  const double touches = norm2(touch) > 0 ? a.lowest(touch) - highest(v, touch) : -1e300;
-  if (touches > -tune::kMeshTouch) return {touch, highest(v, touch), touches, t, false};
-  // Or overlap: the shorter way out along the triangle's own normal.
+  // They touch or overlap: the shorter way out along the triangle's own normal.
   Vec3 n = cross(v[1] - v[0], v[2] - v[0]);
   double length = norm(n);
   if (length < tune::kNoTriangle) return {{}, 0, 0, t, true};
@@ -80,6 +76,14 @@ Plane plane_to(const PosedShape& a, const Vec3 v[3], int t, double reach, Vec3 g
   Vec3 side = up >= down ? n : -n;
   double depth = std::max(up, down);
   return {side, dot(side, v[0]), depth, t, depth < -tune::kMeshTouch};
+}
+
+// Where that says they overlap: do they touch, along a direction of their own?
+void look_for_touch(const PosedShape& a, const Vec3 v[3], Plane& p) {
+  const Vec3 touch = touch_direction(a, v);
+  if (norm2(touch) == 0) return;
+  const double dist = a.lowest(touch) - highest(v, touch);
+  if (dist > -tune::kMeshTouch) p = {touch, highest(v, touch), dist, p.triangle, false};
 }
 
 double square(const Plane& p) { return p.dist > 0 ? p.dist * p.dist : 0; }
@@ -117,8 +121,8 @@ struct TriangleTree::PlaneSearch {
   const std::vector<int>& without;
   std::vector<Plane>& out;
   Scratch& s;
-  size_t tests = 0;     // of boxes and triangles against planes
-  size_t measured = 0;  // triangles
+  size_t tests = 0;            // of boxes and triangles against planes
+  size_t tests_of_shapes = 0;  // what measuring triangles costs, in such tests
 
   double run();  // the reach that the planes hold for
 
@@ -150,19 +154,28 @@ struct TriangleTree::PlaneSearch {
   bool triangle_settled(const Entry& e, const Vec3 v[3]) {
     return settled(e, [&](const Plane& p) { return behind(p, v, tune::kTriangleBehind); });
   }
+  Plane measure(int t, const Vec3 v[3], Vec3 guess);
   void measure_old();
   void open(const Entry& e);
   void visit(const Entry& e);
   void take_turn(const Entry& e, Known& known, const Vec3 v[3]);
 };
 
+Plane TriangleTree::PlaneSearch::measure(int t, const Vec3 v[3], Vec3 guess) {
+  Plane p = plane_to(a, v, t, reach, guess);
+  tests_of_shapes += tune::kMeasureTests;
+  if (!p.overlaps) return p;
+  tests_of_shapes += tune::kTouchTests;
+  look_for_touch(a, v, p);
+  return p;
+}
+
 void TriangleTree::PlaneSearch::measure_old() {
   for (const Plane& old : out) {
     if (left_out(old.triangle)) continue;
     Vec3 v[3];
     tree.triangle(old.triangle, v);
-    Plane p = plane_to(a, v, old.triangle, reach, old.n);
-    measured++;
+    Plane p = measure(old.triangle, v, old.n);
     if (p.dist > reach) {
       s.out_of_reach.push_back(p);
     } else {
@@ -220,8 +233,7 @@ void TriangleTree::PlaneSearch::visit(const Entry& e) {
                          [&](const Known& k) { return k.plane.triangle == t; });
   if (it != s.known.end()) return take_turn(e, *it, v);
   if (triangle_settled(e, v)) return;
-  Plane p = plane_to(a, v, t, reach);
-  measured++;
+  Plane p = measure(t, v, {});
   if (p.dist > reach) {
     if (s.out_of_reach.size() < tune::kMostCullers) s.out_of_reach.push_back(p);
   } else if (!s.queue.heap.empty() && square(p) > s.queue.heap.front().d2) {
@@ -264,7 +276,7 @@ double TriangleTree::planes(const PosedShape& a, double reach, std::vector<Plane
   static thread_local PlaneSearch::Scratch scratch;
   PlaneSearch search{*this, a, reach, without, out, scratch};
   const double holds = search.run();
-  if (tests) *tests += search.tests + tune::kMeasureTests * search.measured;
+  if (tests) *tests += search.tests + search.tests_of_shapes;
   return holds;
 }
 
@@ -279,6 +291,7 @@ struct TriangleTree::DistanceSearch {
   const PosedShape& a;
   double best;
   const double enough;  // nothing is sought that is nearer than this
+  const bool touches;   // are overlaps looked at for touches? That costs as much as five triangles
   Scratch& s;
   Plane nearest{};   // where `best` was found
   size_t tests = 0;  // of boxes and triangles against planes, and what else costs as much
@@ -286,6 +299,10 @@ struct TriangleTree::DistanceSearch {
   void measure(int t, const Vec3 v[3]) {
     tests += tune::kMeasureTests;
     Plane p = plane_to(a, v, t, std::max(best, 0.0));
+    if (touches && p.overlaps && p.dist < best) {
+      tests += tune::kTouchTests;
+      look_for_touch(a, v, p);
+    }
     if (p.dist < best) best = p.dist, nearest = p;
     if (!p.overlaps && norm2(p.n) > 0 && s.measured.size() < tune::kMostCullers)
       s.measured.push_back(p);
@@ -336,12 +353,12 @@ struct TriangleTree::DistanceSearch {
 double TriangleTree::distance(const PosedShape& a, double range,
                               const std::vector<Plane>& near) const {
   static thread_local DistanceSearch::Scratch scratch;
-  return DistanceSearch{*this, a, range, -1e300, scratch}.run(near);
+  return DistanceSearch{*this, a, range, -1e300, true, scratch}.run(near);
 }
 
 bool TriangleTree::nearer(const PosedShape& a, double range, size_t& tests) const {
   static thread_local DistanceSearch::Scratch scratch;
-  DistanceSearch search{*this, a, range, range, scratch};
+  DistanceSearch search{*this, a, range, range, false, scratch};
   const bool found = search.run({}) < range;
   tests += search.tests;
   return found;
@@ -349,7 +366,7 @@ bool TriangleTree::nearer(const PosedShape& a, double range, size_t& tests) cons
 
 bool TriangleTree::nearest(const PosedShape& a, double range, Plane& out, size_t& tests) const {
   static thread_local DistanceSearch::Scratch scratch;
-  DistanceSearch search{*this, a, range, -1e300, scratch};
+  DistanceSearch search{*this, a, range, -1e300, false, scratch};
   const bool found = search.run({}) < range;
   tests += search.tests;
   if (found) out = search.nearest;

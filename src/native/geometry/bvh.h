@@ -59,7 +59,8 @@ class TriangleTree {
   // Is a triangle nearer to `a` than `range`? The first one that is ends the search. What it costs is
   // added to `tests`.
   bool nearer(const PosedShape& a, double range, size_t& tests) const;
-  // The plane of the nearest triangle; false, and `out` as it was, if none is nearer than `range`.
+  // The plane of the nearest triangle, of those that it meets the one along whose normal it is deepest; false,
+  // and `out` as it was, if none is nearer than `range`.
   bool nearest(const PosedShape& a, double range, Plane& out, size_t& tests) const;
   // A lower bound of the distance of `a` from the triangles, each of which some direction separates
   // from it; where none does, minus the depth. Directions are sought for up to `look`; the result

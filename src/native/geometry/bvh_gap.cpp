@@ -96,8 +96,13 @@ double TriangleTree::gap(const PosedShape& a, double look, SeparatingAxes& axes,
         triangle(i, v);
         const double known = witnesses.apart(v);
         tests += known > 0 ? tune::kBoxTests : tune::kMeasureTests;
-        const double gap = known > 0 ? known : witnesses.measure(v, look);
-        least = std::min(least, gap > 0 || !least_depth ? gap : witnesses.depth(v, gap));
+        double gap = known > 0 ? known : witnesses.measure(v, look);
+        if (gap >= least) continue;
+        if (gap < 0 && least_depth) {
+          tests += tune::kTouchTests;
+          gap = witnesses.depth(v, gap);
+        }
+        least = std::min(least, gap);
       }
     }
   }

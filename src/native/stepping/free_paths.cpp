@@ -203,11 +203,9 @@ void FreePaths::travel(System& system, Data& data) {
     world.inner_travel(model, followed_, end, sweep_.inner);
   }
   const std::vector<double>& way = any_busy_ ? way_ : sweep_.straight;
-  for (const Breach& k :
-       world.end_check.find(any_busy_ ? followed_ : data.state.pose, end, way, sweep_.inner))
-    data.result.add(k);
+  world.end_check.find(any_busy_ ? followed_ : data.state.pose, end, way, sweep_.inner);
   world.broad_phase.travel(way, sweep_.inner);
-  world.end_check.commit();
+  for (const Breach& k : world.end_check.commit(end)) data.result.add(k);
   std::swap(data.state.pose, end);
   world.active.assign(model.nbody, 1);
 }

@@ -134,9 +134,9 @@ void Hosting::move_all(System& system, Data& data) {
   world.start_poses(end);
   travel_bounds(world.shapes, state.pose, end, world.active, way_);
   world.inner_travel(system.model, state.pose, end, inner_);
-  for (const Breach& b : world.end_check.find(state.pose, end, way_, inner_)) data.result.add(b);
+  world.end_check.find(state.pose, end, way_, inner_);
   world.broad_phase.travel(way_, inner_);
-  world.end_check.commit();
+  for (const Breach& k : world.end_check.commit(end)) data.result.add(k);
   std::swap(state.pose, end);
   state.pose_known = true;
 }

@@ -21,14 +21,14 @@ double SubStepping::make(double h) {
 
 // Is the step verified, and clear at its end?
 bool SubStepping::good() {
-  return data_.attempt.good && (data_.probe.blind > 1 || breaches().empty());
+  return data_.attempt.good && (data_.probe.blind > 1 || breached().empty());
 }
 
-// Overlaps at the end pose that its start did not have, whatever the candidates say.
-const std::vector<Breach>& SubStepping::breaches() {
+// Pairs that overlap at the end pose, as they did not at its start, whatever the candidates say.
+const std::vector<size_t>& SubStepping::breached() {
   measure_way();
   World& world = system_.world;
-  const std::vector<Breach>& found =
+  const std::vector<size_t>& found =
       world.end_check.find(data_.state.pose, data_.step.end, way_, inner_);
   data_.budget.spend(tune::kTestWork * world.take_tests());
   return found;
@@ -67,14 +67,15 @@ void SubStepping::check_reach(std::vector<char>& ok) {
       ok[data_.islands.of_tree(system_.tree((int)i))] = 0;
 }
 
-// Clears `ok` of the islands of a pair of shapes; the second may be -1.
-void SubStepping::refuse(int shape, int other, std::vector<char>& ok) const {
-  for (int s : {shape, other})
+// Clears `ok` of the islands of a pair of the broad phase's list.
+void SubStepping::refuse(size_t pair, std::vector<char>& ok) const {
+  const BroadPhasePair& e = system_.world.broad_phase.pairs()[pair];
+  for (int s : {e.shape, e.other_shape})
     if (s >= 0) ok[data_.islands.of_tree(system_.tree(s))] = 0;
 }
 
 void SubStepping::check_end(std::vector<char>& ok) {
-  for (const Breach& k : breaches()) refuse(k.pair.shape, k.pair.other_shape, ok);
+  for (size_t pair : breached()) refuse(pair, ok);
 }
 
 // Clears `ok` of islands with joints too far beyond their ranges.
@@ -103,7 +104,7 @@ std::vector<char> SubStepping::clear(const std::vector<double>& at, double h) {
       suspects_.push_back(i);
   spend_on_poses(data_);
   check_end(ok);
-  for (size_t pair : system_.world.end_check.pairs())
+  for (size_t pair : breached())
     if (std::find(end_suspects_.begin(), end_suspects_.end(), pair) == end_suspects_.end())
       end_suspects_.push_back(pair);
   check_ranges(ok);
@@ -118,11 +119,8 @@ std::vector<char> SubStepping::possible(const std::vector<double>& at, double h)
   for (size_t i : suspects_) check_gap(i, ok);
   spend_on_poses(data_);
   World& world = system_.world;
-  for (size_t pair : end_suspects_) {
-    if (!world.end_check.breached_at(data_.state.pose, data_.step.end, pair)) continue;
-    const BroadPhasePair& e = world.broad_phase.pairs()[pair];
-    refuse(e.shape, e.other_shape, ok);
-  }
+  for (size_t pair : end_suspects_)
+    if (world.end_check.breached_at(data_.state.pose, data_.step.end, pair)) refuse(pair, ok);
   data_.budget.spend(tune::kTestWork * world.take_tests());
   check_ranges(ok);
   check_reach(ok);
@@ -199,11 +197,10 @@ void SubStepping::commit(double h, const std::vector<double>& share) {
   diagnostics.friction_tolerances =
       std::max(diagnostics.friction_tolerances, friction * h / world.settings.tolerance);
   record(h, share);
-  for (const Breach& k : breaches())
-    if (k.depth > tuning::collision::kBreach) data_.result.add(k);
+  breached();  // the end check looks at this end
   world.broad_phase.travel(way_, inner_);
   forget_shared_travel(world, world.broad_phase.pairs(), state.pose, step.end, way_);
-  world.end_check.commit();
+  for (const Breach& k : world.end_check.commit(step.end)) data_.result.add(k);
   world.depenetration.advance(share);
   std::swap(state.pose, step.end);
   state.qpos = step.end_qpos;

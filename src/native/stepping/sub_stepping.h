@@ -38,11 +38,11 @@ class SubStepping {
   void move_to(const std::vector<double>& at, double h, std::vector<char>& ok);
   void check_ranges(std::vector<char>& ok) const;
   bool check_gap(size_t i, std::vector<char>& ok);
-  void refuse(int shape, int other, std::vector<char>& ok) const;
+  void refuse(size_t pair, std::vector<char>& ok) const;
   void check_end(std::vector<char>& ok);
   void check_reach(std::vector<char>& ok);
   bool good();
-  const std::vector<Breach>& breaches();
+  const std::vector<size_t>& breached();
   void measure_way();
   void stand_back(std::vector<double>& at, double h);
   bool clear_together(const std::vector<double>& share, double least, double h);

@@ -119,7 +119,7 @@ bone_ratios = st.lists(st.floats(0.8, 1.25), min_size=55, max_size=55)
 
 
 @pytest.mark.slow
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(ratios=bone_ratios, hidden=st.sets(st.integers(0, 54), max_size=30))
 def test_any_ratios_give_a_person(ratios: list[float], hidden: set[int]) -> None:
     body = Body.default()

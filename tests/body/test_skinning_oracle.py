@@ -14,7 +14,7 @@ from halfphysics.body.model_files import read_model
 from halfphysics.motion.pose import Pose
 from halfphysics.motion.skeleton import JOINT_NAMES, PARENTS
 
-SAMPLES, BATCH = 100, 10
+SAMPLES, BATCH = 40, 10
 
 # The unmodified reader: its skinning runs in double precision, its joint regressor
 # in single, and an error in a joint adds up along the limb.

@@ -237,12 +237,15 @@ def stack(masses):
 
 @pytest.mark.slow
 def test_a_tonne_on_light_boxes_does_not_creep():
-    """1000 kg on 1 on 100 on 1: 52 mm in 5 s where friction that did not settle was kept."""
+    """1000 kg on 1 on 100 on 1: 52 mm in 5 s where friction that did not settle was kept.
+
+    No time is lost: what solves left of gaps of nothing was once more than the end check lets pass.
+    """
     simulator = Simulator(stack((1.0, 100.0, 1.0, 1000.0)), body=[], settings=Settings(), fps=30)
     simulator.reset([])
     start = np.array(simulator.world.stepper.qpos()).reshape(4, 7)
     for _ in range(150):
-        simulator.step([])
+        assert simulator.step([]).lost_time == 0.0
     end = np.array(simulator.world.stepper.qpos()).reshape(4, 7)
     assert np.abs(end[:, :3] - start[:, :3]).max() < 1e-3
 

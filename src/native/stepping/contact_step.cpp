@@ -95,7 +95,12 @@ void ContactStep::find_islands() {
   fresh.tolerance = system_.world.settings.tolerance;
   fresh.begin();
   attempt.islands.assign(system_.model.nbody, fresh);
-  for (ContactCandidate& c : attempt.candidates) c.island = data_.islands.of(system_, c);
+  for (ContactCandidate& c : attempt.candidates) {
+    c.island = data_.islands.of(system_, c);
+    double& tolerance = attempt.islands[c.island].tolerance;
+    if (c.soft < 0 && c.target >= 0 && c.target < tune::kNoGap)
+      tolerance = std::min(tolerance, tune::kNoGapTolerance);
+  }
 }
 
 // Solves and verifies until nothing is violated, each island until it has settled or is stuck.

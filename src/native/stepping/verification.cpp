@@ -32,6 +32,8 @@ double allowed(const System& system, const Attempt& attempt, const ContactCandid
   // Nor may many small steps wear away the last of it.
   if (c.dist > 0 && c.hard > 0.5 * c.dist)
     slack = std::min(slack, std::max(0.0, c.target - c.hard) + tune::kLeastMiss);
+  // Nor may what has none left miss by more than the end check lets pass.
+  if (c.target >= 0) slack = std::min(slack, c.target + tuning::collision::kBreach);
   return slack;
 }
 

@@ -305,14 +305,12 @@ def test_without_blocking_it_is_a_context_that_cleans_up(capfd):
 
 @pytest.mark.slow
 def test_it_says_where_it_is_and_ends_with_ctrl_c():
-    code = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
-    code += "from halfphysics.cli import main; sys.exit(main(sys.argv[1:]))"
     with socket.socket() as busy:
         busy.bind(("127.0.0.1", 0))
         busy.listen()
         port = busy.getsockname()[1]
         process = subprocess.Popen(
-            [sys.executable, "-c", code, "play", "walk_into_wall", "--port", str(port)],
+            [sys.executable, "-m", "halfphysics", "play", "walk_into_wall", "--port", str(port)],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
             env={**os.environ, "PYTHONUNBUFFERED": "1"},
         )  # fmt: skip

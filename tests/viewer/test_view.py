@@ -51,10 +51,8 @@ def files(tmp_path_factory):
 
 
 def start(*arguments):
-    code = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
-    code += "from halfphysics.cli import main; sys.exit(main(sys.argv[1:]))"
     return subprocess.Popen(
-        [sys.executable, "-c", code, "view", *map(str, arguments)],
+        [sys.executable, "-m", "halfphysics", "view", *map(str, arguments)],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         env={**os.environ, "PYTHONUNBUFFERED": "1"},
     )  # fmt: skip

@@ -76,7 +76,8 @@ def entry(name: str) -> str:
         if option in ("body", "other"):
             continue  # objects, not text
         flag = option.replace("_", "-")
-        lines.append(f"| `--{flag}` | {_said(default)} | {meanings.get(option, '')} |")
+        meaning = meanings.get(option, "").replace("None:", "none:")
+        lines.append(f"| `--{flag}` | {_said(default)} | {meaning} |")
     lines += ["", f"`halfphysics scenario {name} --page {name}.html`", ""]
     return "\n".join(lines)
 
@@ -85,7 +86,7 @@ def _said(default: object) -> str:
     """A default as it is typed on the command line."""
     if isinstance(default, tuple):
         return " ".join(map(str, default))
-    return str(default)
+    return {"False": "off", "None": "none"}.get(str(default), str(default))
 
 
 def play(name: str) -> hp.Result:

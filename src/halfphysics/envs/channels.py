@@ -33,6 +33,7 @@ class Channel:
 
 XYZ = ("x", "y", "z")
 XY = ("x", "y")
+COS_SIN = ("cos", "sin")
 
 
 class Layout:

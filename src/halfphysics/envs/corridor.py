@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from halfphysics.body.body import Body
 from halfphysics.envs.bases import Bases, ahead, into, wrapped
-from halfphysics.envs.channels import XY, Channel, Layout
+from halfphysics.envs.channels import COS_SIN, XY, Channel, Layout
 from halfphysics.envs.robots import BASE_EFFORT, BASE_XML, efforts, model_of
 from halfphysics.envs.task import Flags, Outcome, Task, View
 from halfphysics.envs.walkers import FASTEST, Walkers
@@ -43,7 +43,7 @@ class Corridor(Task):
     view = View((-2.2, -3.4, 4.4), (0.3, 0.0, 0.4), 52.0)
     observed: ClassVar = Layout(
         Channel("goal, in the robot's frame (x ahead, y left)", "m", -6.0, 6.0, XY),
-        Channel("heading of the robot: cosine, sine", "", -1.0, 1.0, ("cos", "sin")),
+        Channel("heading of the robot: cosine, sine", "", -1.0, 1.0, COS_SIN),
         Channel("y of the robot: 0 in the middle of the corridor", "m", -1.5, 1.5),
         Channel("velocity of the robot, in its frame", "m/s", -2.0, 2.0, XY),
         Channel("turning of the robot", "rad/s", -4.0, 4.0),

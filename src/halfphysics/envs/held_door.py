@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from halfphysics.base import rotations as rot
 from halfphysics.body.body import Body
 from halfphysics.envs.bases import Bases, into
-from halfphysics.envs.channels import XY, Channel, Layout
+from halfphysics.envs.channels import COS_SIN, XY, Channel, Layout
 from halfphysics.envs.robots import BASE_EFFORT, FORK, HOLDER_XML, efforts, model_of
 from halfphysics.envs.task import Flags, Outcome, Task, View
 from halfphysics.envs.walkers import FASTEST, Walkers
@@ -70,13 +70,15 @@ class HeldDoor(Task):
         Channel("opening of the door", "rad", -0.1, 2.0),
         Channel("its velocity", "rad/s", -5.0, 5.0),
         Channel("handle from the middle of the fork, in the robot's frame", "m", -1.0, 1.0, XY),
-        Channel("heading of the robot less that of a closed door: cosine, sine", "", -1, 1, XY),
+        Channel(
+            "heading of the robot less that of a closed door: cosine, sine", "", -1, 1, COS_SIN
+        ),
         Channel("velocity of the robot, in its frame", "m/s", -2.0, 2.0, XY),
         Channel("turning of the robot", "rad/s", -4.0, 4.0),
         Channel("person's pelvis, in the robot's frame", "m", -6.0, 6.0, XY),
         Channel("person's pelvis: before (negative) or behind the wall", "m", -4.0, 4.0),
         Channel("velocity of the person, in the robot's frame", "m/s", -3.0, 3.0, XY),
-        Channel("where the person faces, from straight through: cosine, sine", "", -1, 1, XY),
+        Channel("where the person faces, from straight through: cosine, sine", "", -1, 1, COS_SIN),
         Channel("force of the person on the door", "100 N", 0.0, 5.0),
         Channel("contact force on the person by robot and door", "100 N", 0.0, 5.0),
         Channel("part of the longest episode that has passed", "", 0.0, 1.0),

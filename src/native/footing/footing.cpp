@@ -90,8 +90,9 @@ void Footing::move_height(double dt, double gravity) {
     rising_ = 0;
     return;
   }
-  const double rate = tune::kHeightRate;
-  const double pull = rate * rate * (to - height_) - 2 * rate * rising_;
+  // Implicit: no step is too long.
+  const double rate = tune::kHeightRate, h = dt * rate;
+  const double pull = rate * (rate * (to - height_) - (2 + h) * rising_) / ((1 + h) * (1 + h));
   rising_ += dt * std::clamp(pull, -gravity, tune::kRise * gravity);
   height_ += dt * rising_;
   if (std::fabs(height_ - to) < tune::kAtHeight && std::fabs(rising_) < tune::kAtRest)
@@ -167,7 +168,7 @@ Footwork::Foot Footing::moved_foot(const Poses& poses, size_t leg, Vec3 slid,
   Footwork::Foot foot;
   foot.rests = seen.rests, foot.rested = seen.rested, foot.held = seen.held;
   foot.grounded = under.grounded;
-  const double above = height_ + lift_[leg] + left_up_[leg] - under.lift;
+  const double above = raised(leg) - under.lift;
   foot.stands = under.grounded && seen.rests > tune::kAtRestShare && above < tune::kStands;
   foot.slid = slid;
   // What stands in a layer is held by friction there.
@@ -199,7 +200,7 @@ void Footing::move_feet(const CollisionWorld& world, Poses& poses, const Frame& 
   const Vec3 whole{frame.displaced.x, frame.displaced.y, height_};
   footwork_.frame(feet, !sits() && !stance_.flies(), frame.view.dt,
                   [&](size_t leg, Vec3 offset, double turn) {
-                    return Underfoot::lands(world, poses, model->legs[leg], stance_.kin,
+                    return Underfoot::lands(world, poses, model->legs[leg], stance_,
                                             whole + offset + Vec3{0, 0, lift_[leg]}, turn);
                   });
 }
@@ -210,7 +211,7 @@ void Footing::find_state() {
   for (size_t f = 0; f < under_.feet.size(); f++) {
     const Underfoot::Foot& under = under_.feet[f];
     over_ground_ |= under.grounded;
-    on_ground_ |= under.grounded && under.lift > height_ + lift_[f] - tune::kOnGround;
+    on_ground_ |= under.grounded && under.lift > raised(f) - tune::kOnGround;
   }
 }
 
@@ -227,7 +228,7 @@ void Footing::find_bearing(const Model& m, const CollisionWorld& world, Vec3 dis
     if (p.on_layer) p.carries = 0;
     if (p.shape < 0) return;
     const int body = world.shapes[p.shape].body;
-    if (m.pushed_dof(body) < 0 || stance_.own()[body]) p.shape = -1;
+    if (m.pushed_dof(body) < 0) p.shape = -1;
   };
   size_t i = 0;
   double limp = 0;  // share of the weight that hangs on the feet if legs do nothing
@@ -236,8 +237,8 @@ void Footing::find_bearing(const Model& m, const CollisionWorld& world, Vec3 dis
     const Leg& leg = model->legs[f];
     double best = 0;
     for (size_t n = 0; n < leg.sole.size(); n++, i++) {
-      carries(i, whole + footwork_.offset(f) + Vec3{0, 0, lift_[f] + footwork_.raised(f)},
-              stance_.low[i]);
+      const double up = lift_[f] + left_up_[f] + footwork_.raised(f);
+      carries(i, whole + footwork_.offset(f) + Vec3{0, 0, up}, stance_.low[i]);
       best = std::max(best, bearing.points[i].carries);
     }
     limp += best *
@@ -281,7 +282,7 @@ bool Footing::clear_between(const Model& m, int root_qpos, const double* from, c
   double* q = &half_[root_qpos];
   for (int i = 0; i < 3; i++) q[i] = 0.5 * (from[i] + q[i]);
   for (int b = 1; b < m.nbody; b++) {
-    if (!stance_.own()[b]) continue;
+    if (!stance_.own()[b] || m.jnt_count[b] == 0) continue;  // what is held has no joint
     const int at = m.jnt_qpos[m.jnt_first[b]] + (m.parent[b] == 0 ? 3 : 0);
     const Quat begin = load4(from + at - root_qpos), end = load4(to + at);
     Quat half = begin * exp_quat(0.5 * log_quat(conjugate(begin) * end));
@@ -342,7 +343,7 @@ bool Footing::bears(int toes) const {
   for (size_t f = 0; f < under_.feet.size(); f++) {
     if (model->legs[f].toes != toes) continue;
     const Underfoot::Foot& under = under_.feet[f];
-    const bool near = under.lift > height_ + lift_[f] - tune::kBears;
+    const bool near = under.lift > raised(f) - tune::kBears;
     const Stance::Foot& foot = stance_.feet[f];
     const double carries = stance_.carries(foot);
     return under.grounded && near && !footwork_.steps(f) && carries > 0;
@@ -394,7 +395,7 @@ void Footing::save(std::vector<double>& out) const {
   if (!on()) return;
   out.insert(out.end(), {height_, rising_, corrected_ ? 1.0 : 0.0, placed_known_ ? 1.0 : 0.0,
                          over_ground_ ? 1.0 : 0.0, on_ground_ ? 1.0 : 0.0, under_.highest(),
-                         under_.skin_lift(), displaced_.x, displaced_.y, displaced_.z});
+                         under_.skin_lift(), displaced_.x, displaced_.y, displaced_.z, folds_});
   for (const auto* v : {&lift_, &sinking_, &left_up_}) out.insert(out.end(), v->begin(), v->end());
   for (size_t f = 0; f < lift_.size(); f++) out.push_back(under_.stands(f));
   for (const auto* v : {&left_turn_, &placed_})
@@ -417,7 +418,7 @@ const double* Footing::load(const double* in) {
   height_ = in[0], rising_ = in[1], corrected_ = in[2] != 0;
   placed_known_ = in[3] != 0, over_ground_ = in[4] != 0, on_ground_ = in[5] != 0;
   const double highest = in[6], skin_lift = in[7];
-  displaced_ = load3(in + 8), in += 11;
+  displaced_ = load3(in + 8), folds_ = in[11], in += 12;
   std::vector<double> stands(lift_.size());
   for (auto* v : {&lift_, &sinking_, &left_up_, &stands})
     for (double& x : *v) x = *in++;

@@ -87,6 +87,8 @@ void Footwork::step(double dt) {
     to_ = p.offset + share_ * (wanted(p) + left * speed_ - p.offset);
   p.offset += share * (to_ - p.offset);
   p.turn += share * ((1 - share_) * p.turn + left * spin_ - p.turn);
+  // Of what is left that is less, so that it ends where there is ground.
+  if (share < 1) share_ *= (1 - share) / (1 - share * share_);
   const double s = time_ / lasts_;
   p.raised = time_ < lasts_ ? 16 * tune::kStepHeight * s * s * (1 - s) * (1 - s) : 0;
   if (time_ >= lasts_) landed_ = steps_, steps_ = -1;

@@ -43,6 +43,8 @@ void OnLayers::move(double speed, bool sits, double dt) {
 
 void OnLayers::aim(const std::vector<BearingPoint>& others, size_t soles, double legs, Vec3 centre,
                    bool sits) {
+  stands_ = !sits && std::any_of(others.begin(), others.end(),
+                                 [](const BearingPoint& p) { return p.carries > 0; });
   if (!carry_) return;
   feet_ = find_feet(others, soles, legs, centre);
   std::vector<BearingPoint> points;
@@ -55,7 +57,7 @@ void OnLayers::aim(const std::vector<BearingPoint>& others, size_t soles, double
   if (all > 0 && !feet_.on) rest_ = 0;
   target_ = 1;
   if (points.empty()) return;
-  if (!sits && pressed_ < tune::kBrushes) {  // it stands, and a hand is on a cushion
+  if (stands_ && pressed_ < tune::kBrushes) {  // a hand is on a cushion
     carry_ = false;
     share_ = target_ = 0;
     return;
@@ -76,8 +78,9 @@ void OnLayers::advance(double h) {
 
 void OnLayers::pressed(double weights, Vec3 centre, double dt) {
   const bool before = carry_;
-  carry_ = weights > tune::kCarryFrom;
+  carry_ = weights > (stands_ ? tune::kBrushes : tune::kCarryFrom);
   if (!carry_) {
+    feet_ = {};
     share_ = target_ = pressed_ = rest_ = 0;
     return;
   }
@@ -87,14 +90,14 @@ void OnLayers::pressed(double weights, Vec3 centre, double dt) {
 }
 
 void OnLayers::reset() {
-  carry_ = false;
+  carry_ = stands_ = false;
   share_ = target_ = pressed_ = rest_ = feet_share_ = 0;
   centre_ = {}, feet_ = {};
 }
 
 void OnLayers::save(std::vector<double>& out) const {
   out.insert(out.end(), {carry_ ? 1.0 : 0.0, share_, target_, pressed_, centre_.x, centre_.y,
-                         centre_.z, rest_, feet_share_});
+                         centre_.z, rest_, feet_share_, stands_ ? 1.0 : 0.0, feet_.on ? 1.0 : 0.0});
 }
 
 const double* OnLayers::restore(const double* in) {
@@ -102,7 +105,8 @@ const double* OnLayers::restore(const double* in) {
   share_ = in[1], target_ = in[2], pressed_ = in[3];
   centre_ = load3(in + 4);
   rest_ = in[7], feet_share_ = in[8];
-  return in + 9;
+  stands_ = in[9] != 0, feet_.on = in[10] != 0;
+  return in + 11;
 }
 
 }  // namespace hp

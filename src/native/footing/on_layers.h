@@ -60,6 +60,8 @@ class OnLayers {
                         Vec3 centre);
 
   bool carry_ = false;
+  bool stands_ =
+      false;  // what is hard carries it too, and it does not sit: a touch of a layer is none that carries
   double share_ = 0, target_ = 0;  // of the weight
   double pressed_ = 0;             // what they carry, in the person's weight, smoothed
   Vec3 centre_;                    // of their pressure, smoothed [m]

@@ -7,11 +7,11 @@ namespace hp {
 
 namespace tune = tuning::footing;
 
-SurfaceBelow::SurfaceBelow(const CollisionWorld& world) : world_(world) {
+SurfaceBelow::SurfaceBelow(const CollisionWorld& world, const char* own) : world_(world) {
   point_.vertices = {{}};
   point_.finish();
   for (int i = 0; i < (int)world_.shapes.size(); i++)
-    if (world_.shapes[i].person < 0) objects_.push_back(i);
+    if (world_.shapes[i].person < 0 && !(own && own[world_.shapes[i].body])) objects_.push_back(i);
 }
 
 // Falls towards the shape: a step to the plane that separates it, again and again. Exact for a face

@@ -20,7 +20,9 @@ struct Surface {
 
 class SurfaceBelow {
  public:
-  explicit SurfaceBelow(const CollisionWorld& world);
+  // `own`: bodies of the person who stands, and what it holds, are no ground (one for each of the model's);
+  // nullptr: none.
+  explicit SurfaceBelow(const CollisionWorld& world, const char* own = nullptr);
   // The highest surface under `x`, at most `depth` under it [m]. `poses` has the objects.
   Surface find(Poses& poses, Vec3 x, double step, double depth);
   // The same, but for what is higher than kStepsOver above `x` and too narrow to step on: a bar, a rung, a rim.

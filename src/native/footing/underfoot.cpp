@@ -34,7 +34,7 @@ double step_up(double high, double stands) {
 void Underfoot::find(const CollisionWorld& world, Poses& poses, const FootingModel& model,
                      const Stance& stance, const Footwork& work, Vec3 displaced, double height,
                      Bearing& bearing) {
-  SurfaceBelow below(world);
+  SurfaceBelow below(world, stance.own());
   size_t i = 0;
   ground.clear();
   double lowest = 1e300;  // of the reference
@@ -72,7 +72,7 @@ void Underfoot::find(const CollisionWorld& world, Poses& poses, const FootingMod
 // The lift that skin needs which rests on something, or presses on it.
 void Underfoot::find_skin(const CollisionWorld& world, Poses& poses, const FootingModel& model,
                           const Stance& stance, Vec3 by, Bearing& bearing) {
-  SurfaceBelow below(world);
+  SurfaceBelow below(world, stance.own());
   skin_lift_ = least_skin_lift_ = -1e300;
   const std::vector<double> skin = soft_skin(world);
   const size_t soles = stance.points.size() - model.skin.size();
@@ -114,8 +114,9 @@ double Underfoot::least_height(const CollisionWorld& world, const FootingModel& 
 }
 
 bool Underfoot::lands(const CollisionWorld& world, Poses& poses, const Leg& leg,
-                      const Kinematics& kin, Vec3 by, double turn) {
-  SurfaceBelow below(world);
+                      const Stance& stance, Vec3 by, double turn) {
+  SurfaceBelow below(world, stance.own());
+  const Kinematics& kin = stance.kin;
   const Vec3 ankle = kin.xpos[leg.ankle];
   const Mat3 turned = to_matrix(exp_quat({0, 0, turn}));
   double lowest = 1e300;

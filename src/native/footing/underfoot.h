@@ -53,8 +53,8 @@ class Underfoot {
                              const Stance& stance, Vec3 by, bool hands);
   // Can a foot be put down, moved by `by` and turned about the vertical by `turn`? All of its sole is over
   // ground that is no stair away.
-  static bool lands(const CollisionWorld& world, Poses& poses, const Leg& leg,
-                    const Kinematics& kin, Vec3 by, double turn);
+  static bool lands(const CollisionWorld& world, Poses& poses, const Leg& leg, const Stance& stance,
+                    Vec3 by, double turn);
 
  private:
   void find_skin(const CollisionWorld& world, Poses& poses, const FootingModel& model,

@@ -184,7 +184,8 @@ void Aiming::place_feet(System& system, State& state, Drive& d, const double* as
   if (d.sits) frame.held_up = std::max(0.0, frame.displaced.z);
   frame.displaced += Vec3{ahead.drift.x, ahead.drift.y, 0};
   frame.rises = ahead.drift.z;
-  frame.view = {dt, d.clock.passed(), norm(system.gravity), ahead.turned, 1 - d.clock.rate()};
+  frame.view = {dt, d.clock.passed(), norm(system.gravity), ahead.turned,
+                std::max(0.0, 1 - d.clock.rate())};
   d.footing.frame(system.model, system.world, state.pose, d.first_qpos(), frame, target_.data());
   for (size_t f = 0; f < d.footing.model->legs.size(); f++) {
     if (!d.footing.goes_on(f)) continue;
@@ -204,7 +205,10 @@ void Aiming::end(System& system, const FrameResult& result) {
     else
       aside[system.tree(shape)] = 1;
   };
-  for (const Touch& t : result.touches) look(t.shape, t.impulse), look(t.other_shape, -t.impulse);
+  for (const Touch& t : result.touches) {
+    if (t.other_shape >= 0 && system.tree(t.shape) == system.tree(t.other_shape)) continue;
+    look(t.shape, t.impulse), look(t.other_shape, -t.impulse);
+  }
   for (Drive& d : system.drives) {
     const double weight = norm(system.gravity) * system.model.carried[d.body(0)];
     const double dt = d.motion.frame_length();

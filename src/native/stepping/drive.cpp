@@ -295,7 +295,7 @@ void Drive::save(std::vector<double>& out) const {
     out.insert(out.end(), v->begin(), v->end());
   out.insert(out.end(), {(exact_ ? 1.0 : 0.0) + (motion.fresh() ? 2.0 : 0.0) +
                              (carried ? 4.0 : 0.0) + (sits ? 8.0 : 0.0),
-                         gentle_return.left(), motion.beside().x, motion.beside().y});
+                         gentle_return.left(), motion.beside().x, motion.beside().y, motion.eager});
   footing.save(out);
   clock.save(out);
 }
@@ -311,7 +311,8 @@ const double* Drive::load(const double* in) {
   exact_ = (flags & 1) != 0;
   const double left = *in++;
   motion.restore(target, (flags & 2) != 0, {in[0], in[1], 0});
-  in += 2;
+  const double eager = in[2];
+  in += 3;
   carried = (flags & 4) != 0;
   sits = (flags & 8) != 0;
   q_start_ = motion.target();
@@ -319,7 +320,7 @@ const double* Drive::load(const double* in) {
   in = footing.load(in);
   clock.reset(*this, target);
   in = clock.load(*this, in);
-  motion.eager = clock.eager();
+  motion.eager = eager;
   return in;
 }
 

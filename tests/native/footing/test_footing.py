@@ -241,6 +241,86 @@ def test_a_baseline_that_sets_poses_is_not_corrected():
     assert not result.people[0].corrected.any()
 
 
+def t_pose(frames=75):
+    """Somebody upright with straight legs and level arms."""
+    rotations = np.zeros((frames, 55, 3))
+    rotations[:, 0] = [np.pi / 2, 0.0, 0.0]
+    motion = hp.Motion(np.zeros((frames, 3)), rotations, 30.0)
+    low = BODY.vertices(motion[0])[:, 2].min()
+    return motion.with_frames(motion.translation + np.array([0.0, 0.0, 0.003 - low]), rotations)
+
+
+def under_an_arm(pose):
+    """Where the lowest skin half-way along the right upper arm is (3,) [m]."""
+    joints = BODY.joints(pose)
+    ends = [hp.JOINT_NAMES.index(name) for name in ("right_shoulder", "right_elbow")]
+    middle = joints[ends].mean(axis=0)
+    skin = BODY.vertices(pose)
+    near = skin[(np.abs(skin - middle)[:, :2] < 0.06).all(axis=1)]
+    return np.array([middle[0], middle[1], near[:, 2].min()])
+
+
+def knees(pose):
+    """Largest turn of the knees [deg]."""
+    bent = pose.rotations[[hp.JOINT_NAMES.index(f"{s}_knee") for s in SIDES]]
+    return np.rad2deg(np.linalg.norm(bent, axis=1).max())
+
+
+@pytest.mark.parametrize("fps", [5.0, 8.0, 30.0])
+def test_the_height_settles_at_any_frame_rate(fps):
+    frames = int(4 * fps) + 2
+    motion = standing(frames=frames, fps=fps)
+    translation = motion.translation.copy()
+    translation[2:, 2] += 0.04
+    floating = motion.with_frames(translation, motion.rotations)
+    result = hp.simulate(floating, floor(), body=BODY, settings=hp.Settings(contact="parts"))
+    low = lowest(result.motion)
+    assert low.min() > 0.0
+    assert low.max() < 0.045
+    assert low[-3:] == pytest.approx(0.003, abs=1e-3)
+
+
+@pytest.mark.parametrize("person", [0, 1])
+def test_what_a_person_holds_changes_nothing_of_how_it_stands(person):
+    motion = standing(0.02, frames=20)
+    people = [
+        motion.with_frames(motion.translation + np.array([0.0, 5.0 * i, 0.0]), motion.rotations)
+        for i in (0, 1)
+    ]
+    hand = BODY.joints(people[person][0])[hp.JOINT_NAMES.index("right_wrist")]
+    scene = floor()
+    scene.add_object(
+        "stick", hp.Box((0.03, 0.03, 0.6)), mass=1.0, position=hand + np.array([0.0, 0.0, 0.5])
+    )
+    ends = []
+    for holds in (False, True):
+        settings = hp.Settings(contact="parts")
+        sim = hp.Simulator(scene, body=[BODY, BODY], settings=settings, fps=30.0)
+        sim.reset([m[0] for m in people])
+        if holds:
+            sim.attach("stick", "right_wrist", person=person)
+        for t in range(1, len(motion)):
+            frame = sim.step([m[t] for m in people])
+        ends.append(frame.poses[person])
+    assert knees(ends[1]) == pytest.approx(knees(ends[0]), abs=1e-3)
+    assert ends[1].translation[2] == pytest.approx(ends[0].translation[2], abs=1e-4)
+
+
+def test_what_a_person_holds_is_no_ground_of_its_own():
+    motion = t_pose()
+    scene = floor()
+    below = under_an_arm(motion[0])
+    box = hp.Box((0.15, 0.15, 0.05))
+    scene.add_object("box", box, mass=0.5, position=below - [0.0, 0.0, 0.033])
+    sim = hp.Simulator(scene, body=BODY, settings=hp.Settings(contact="parts"), fps=30.0)
+    sim.reset(motion[0])
+    sim.attach("box", "right_wrist")
+    for t in range(1, len(motion)):
+        frame = sim.step(motion[t])
+    assert abs(frame.pose.translation[2] - motion.translation[0, 2]) < 1e-3
+    assert knees(frame.pose) < 3.0
+
+
 def test_a_saved_state_resumes_to_the_bit():
     motion = standing(0.05, frames=40)
     settings = hp.Settings()

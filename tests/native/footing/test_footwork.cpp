@@ -187,6 +187,23 @@ void who_waits_stands_where_its_step_has_ended() {
   CHECK(steps >= 1 && steps <= 3);
 }
 
+void a_shorter_step_ends_where_there_is_ground_at_any_frame_rate() {
+  Vec3 ground;
+  const Footwork::Lands lands = [&](size_t, Vec3 at, double) {
+    ground = at;
+    return at.y < -0.149;
+  };
+  for (double fps : {10.0, 30.0, 60.0, 240.0}) {
+    Footwork feet;
+    feet.clear(2);
+    feet.reached(0, {0, -0.3, 0});
+    feet.frame(standing(), true, 1 / fps, lands);
+    CHECK(feet.steps(0));
+    while (feet.steps(0)) feet.frame(standing(), false, 1 / fps, lands);
+    CHECK_NEAR(feet.offset(0).y, ground.y, 1e-9);
+  }
+}
+
 void saved_and_loaded_it_goes_on() {
   Footwork a, b;
   a.clear(2);
@@ -215,6 +232,7 @@ int main() {
   a_body_slows_down_where_its_feet_cannot_follow();
   what_a_motion_lifts_comes_back_to_its_place();
   who_waits_stands_where_its_step_has_ended();
+  a_shorter_step_ends_where_there_is_ground_at_any_frame_rate();
   saved_and_loaded_it_goes_on();
   return check::report("footwork");
 }

@@ -188,6 +188,46 @@ def test_who_sits_on_a_sofa_is_carried_by_seat_rest_and_feet():
     assert floor < 0.01
 
 
+def test_a_hand_on_a_cushion_carries_nobody_who_stands():
+    motion = standing(at=0.003)
+    translation = motion.translation.copy()
+    translation[5:, 2] -= 0.03
+    motion = motion.with_frames(translation, motion.rotations)
+    skin, wrist = BODY.vertices(motion[0]), BODY.joints(motion[0])[JOINT_INDEX["left_wrist"]]
+    hand = skin[skin[:, 0] > wrist[0] + 0.04]
+    ends = []
+    for soft in (None, "sofa", "mattress", "pillow"):
+        scene = hp.Scene()
+        scene.add_static("floor", hp.Plane())
+        # Fingers are 5 mm in it.
+        at = (wrist[0] + 0.12, wrist[1], hand[:, 2].min() + 0.005 - 0.15)
+        if soft is not None:
+            scene.add_static("cushion", hp.Box((0.16, 0.3, 0.3)), position=at, soft=soft)
+        result = hp.simulate(motion, scene, body=BODY, settings=hp.Settings(contact="parts"))
+        ends.append(result.motion.translation[-1, 2])
+        assert soft is None or len(result.soft_contacts.pressure), "it is pressed"
+    assert ends == pytest.approx([ends[0]] * 4, abs=1e-3)
+
+
+def test_a_state_saved_on_a_sofa_resumes_to_the_bit():
+    story = scenarios.load("sit_on_sofa", soft="sofa")
+    motion, saved = story.motion, 70
+    settings = hp.Settings(contact="parts")
+    sim = hp.Simulator(story.scene, body=story.body, settings=settings, fps=motion.fps)
+    sim.reset(motion[0])
+    for t in range(1, saved):
+        sim.step(motion[t])
+    state = sim.get_state()
+    ends = []
+    for again in (False, True):
+        if again:
+            sim.set_state(state)
+        ends.append([sim.step(motion[t]).pose for t in range(saved, saved + 10)])
+    for went, goes in zip(*ends, strict=True):
+        assert np.array_equal(went.translation, goes.translation)
+        assert np.array_equal(went.rotations, goes.rotations)
+
+
 def test_who_stands_up_from_a_sofa_is_back_on_the_path():
     story, result = sofa(rise=True)
     pelvis = [story.body.joints(m[-1])[0] for m in (story.motion, result.motion)]

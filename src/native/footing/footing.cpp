@@ -90,10 +90,11 @@ void Footing::move_height(double dt, double gravity) {
     rising_ = 0;
     return;
   }
-  // Implicit: no step is too long.
-  const double rate = tune::kHeightRate, h = dt * rate;
-  const double pull = rate * (rate * (to - height_) - (2 + h) * rising_) / ((1 + h) * (1 + h));
-  rising_ += dt * std::clamp(pull, -gravity, tune::kRise * gravity);
+  // The spring's own speed a frame later: no frame is too long.
+  const double rate = tune::kHeightRate;
+  const double speeds_up = rate * (rising_ + rate * (height_ - to));
+  const double rising = elementary::exp(-rate * dt) * (rising_ - speeds_up * dt);
+  rising_ = std::clamp(rising, rising_ - dt * gravity, rising_ + dt * tune::kRise * gravity);
   height_ += dt * rising_;
   if (std::fabs(height_ - to) < tune::kAtHeight && std::fabs(rising_) < tune::kAtRest)
     height_ = to, rising_ = 0;
@@ -343,7 +344,8 @@ bool Footing::bears(int toes) const {
   for (size_t f = 0; f < under_.feet.size(); f++) {
     if (model->legs[f].toes != toes) continue;
     const Underfoot::Foot& under = under_.feet[f];
-    const bool near = under.lift > raised(f) - tune::kBears;
+    // That a foot is still above its place does not matter: its toes are to be firm as they come down.
+    const bool near = under.lift > height_ + lift_[f] - tune::kBears;
     const Stance::Foot& foot = stance_.feet[f];
     const double carries = stance_.carries(foot);
     return under.grounded && near && !footwork_.steps(f) && carries > 0;

@@ -921,7 +921,9 @@ constexpr double kInTheAir = 1e-3;
 constexpr double kCarries = 0.03, kFaces = 0.5;
 // Frequency of the critically damped height [rad/s]: a step of 10 cm is taken in half a second. It
 // falls with gravity and rises with so much of it.
-constexpr double kHeightRate = 9.5, kRise = 2;
+constexpr double kHeightRate = 8, kRise = 2;
+// In a frame it turns by so much at most [rad]: from 0.83 on it would ring.
+constexpr double kHeightShare = 0.5;
 // Less time than this tells no speed [s].
 constexpr double kNoTime = 1e-6;
 // The height has come to rest when it is this near [m] and slow [m/s].

@@ -173,8 +173,10 @@ class HandOver(Task):
         under = self._seen["cup"] - [0.0, 0.0, _UNDER]
         near = people.from_world(under - self._seen["palm"])
         home = np.broadcast_to(_HOME, (n, 3))
-        back = home - people.wrist
-        goal = np.where(self._held[:, None], 0.6 * back, near)
+        # Not while the fingers are on the cup: pulled aside it would jam between them.
+        alone = self.worlds.load("cup", "fingers") == 0.0
+        back = np.where(alone[:, None], 0.6 * (home - people.wrist), 0.0)
+        goal = np.where(self._held[:, None], back, near)
         rest = people.hangs - people.wrist
         goal = np.where(wants[:, None], goal, np.where((away < 2.0 * OFFERED)[:, None], 0.0, rest))
         velocity = 5.0 * goal / WRIST_SPEED

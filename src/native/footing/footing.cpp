@@ -90,11 +90,10 @@ void Footing::move_height(double dt, double gravity) {
     rising_ = 0;
     return;
   }
-  // The spring's own speed a frame later: no frame is too long.
-  const double rate = tune::kHeightRate;
-  const double speeds_up = rate * (rising_ + rate * (height_ - to));
-  const double rising = elementary::exp(-rate * dt) * (rising_ - speeds_up * dt);
-  rising_ = std::clamp(rising, rising_ - dt * gravity, rising_ + dt * tune::kRise * gravity);
+  // Slower where frames are long: else it would ring.
+  const double rate = std::min(tune::kHeightRate, tune::kHeightShare / dt);
+  const double pull = rate * rate * (to - height_) - 2 * rate * rising_;
+  rising_ += dt * std::clamp(pull, -gravity, tune::kRise * gravity);
   height_ += dt * rising_;
   if (std::fabs(height_ - to) < tune::kAtHeight && std::fabs(rising_) < tune::kAtRest)
     height_ = to, rising_ = 0;

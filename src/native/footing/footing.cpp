@@ -168,7 +168,7 @@ Footwork::Foot Footing::moved_foot(const Poses& poses, size_t leg, Vec3 slid,
   Footwork::Foot foot;
   foot.rests = seen.rests, foot.rested = seen.rested, foot.held = seen.held;
   foot.grounded = under.grounded;
-  const double above = raised(leg) - under.lift;
+  const double above = height_ + lift_[leg] + left_up_[leg] - under.lift;
   foot.stands = under.grounded && seen.rests > tune::kAtRestShare && above < tune::kStands;
   foot.slid = slid;
   // What stands in a layer is held by friction there.
@@ -211,7 +211,8 @@ void Footing::find_state() {
   for (size_t f = 0; f < under_.feet.size(); f++) {
     const Underfoot::Foot& under = under_.feet[f];
     over_ground_ |= under.grounded;
-    on_ground_ |= under.grounded && under.lift > raised(f) - tune::kOnGround;
+    // Who has been stopped stands, though its feet may still come down to their places.
+    on_ground_ |= under.grounded && under.lift > height_ + lift_[f] - tune::kOnGround;
   }
 }
 

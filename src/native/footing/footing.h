@@ -107,8 +107,6 @@ class Footing {
   double wanted_lift(size_t leg, double height, double rose, double rises, double dt);
   Footwork::Foot moved_foot(const Poses& poses, size_t leg, Vec3 slid, const Frame& frame) const;
   void wade(const Model& m, double dt);
-  // How much higher than in the motion a foot is that does not step [m].
-  double raised(size_t leg) const { return height_ + lift_[leg] + left_up_[leg]; }
   // On its feet on layers nobody is lower than the frame under the foot that carries most has them.
   double least_height() const { return wades() ? wading.least() : -1e300; }
   void move_feet(const CollisionWorld& world, Poses& poses, const Frame& frame);

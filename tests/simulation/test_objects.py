@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from halfphysics.geometry.shapes import Box, Cylinder, Plane, Sphere
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Sphere
 from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
 from halfphysics.simulation.simulator import Simulator
@@ -42,6 +42,37 @@ def test_what_rests_on_the_floor_does_not_move(shape):
     # The floor carries the weight: impulse over a frame = m g dt.
     total = frames[-1].contacts.impulse.sum(axis=0)
     np.testing.assert_allclose(total, [0, 0, 0.43 * G / 30], atol=1e-5)  # m tolerance / h: 1e-4
+
+
+@pytest.mark.parametrize(
+    ("shape", "high"),
+    [
+        (Sphere(0.005), 0.005),
+        (Sphere(0.02), 0.02),
+        (Sphere(0.11), 0.11),
+        (Cylinder(0.04, 0.12), 0.04),
+        (Capsule(0.04, 0.12), 0.04),
+    ],
+)
+def test_what_is_round_stays_on_a_thing_that_may_move(shape, high):
+    """Where the contact lags behind the lowest point, rounding grows to a roll of 0.1 m/s."""
+    scene = Scene()
+    scene.add_static("floor", Plane())
+    scene.add_object("table", Box((2.0, 2.0, 0.1)), mass=50.0, position=(0, 0, 0.051))
+    lying = (np.sqrt(0.5), np.sqrt(0.5), 0, 0)
+    scene.add_object("thing", shape, mass=0.3, position=(0, 0, 0.102 + high), quaternion=lying)
+    tracks, _ = run(scene, 6.0)
+    assert np.abs(tracks["thing"][0][:, :2]).max() < 1e-6
+
+
+def test_a_ball_that_rolls_on_a_thing_keeps_its_pace():
+    scene = Scene()
+    scene.add_static("floor", Plane())
+    scene.add_object("table", Box((2.0, 2.0, 0.1)), mass=50.0, position=(0, 0, 0.051))
+    rolls = {"velocity": (0.05, 0, 0), "angular_velocity": (0, 2.5, 0)}
+    scene.add_object("ball", Sphere(0.02), mass=0.3, position=(-0.1, 0, 0.122), **rolls)
+    tracks, _ = run(scene, 4.0)
+    assert np.diff(tracks["ball"][0][:, 0]) * 30.0 == pytest.approx(0.05, rel=0.02)
 
 
 @pytest.mark.parametrize("on", ["plane", "box", "mesh"])

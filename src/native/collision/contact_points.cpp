@@ -273,9 +273,12 @@ void Generator::add_beside() {
   if (n == 0) add_at_end();
 }
 
-// Points that carried an impulse in the substep before, as long as they face each other.
+// Points that carried an impulse in the substep before, as long as they face each other. Points of round
+// surfaces are found anew: what rolls leaves them behind, and borne there it would roll by itself.
 void Generator::add_cached(bool& nearest) {
   const CollisionShape& other = world.shapes[c.other_shape];
+  const auto round = [](const Convex& hull) { return hull.radius > 0 || hull.rim > 0; };
+  if (round(shape.hull) || round(other.hull)) return;
   const PosedShape& b0 = world.place(start, c.other_shape);
   for (const CachedContact& w : cached) {
     if (w.key != pair_key(c) || dot(w.normal, c.n) < tune::kCachedNormal) continue;

@@ -8,8 +8,8 @@ namespace {
 
 // 2 sin(angle / 2) of the rotation from p to q: how far it moves a point at distance 1.
 double rotation_chord(Quat p, Quat q) {
-  const double cosine = std::fabs(p.w * q.w + p.x * q.x + p.y * q.y + p.z * q.z);
-  return 2 * std::sqrt(std::max(0.0, 1 - cosine * cosine));
+  const Quat turn = conjugate(p) * q;
+  return 2 * norm(Vec3{turn.x, turn.y, turn.z});  // its cosine tells nothing of angles under 1e-8
 }
 
 // Per joint, the Frobenius norm of the change of its local rotation matrix between two poses.

@@ -30,6 +30,9 @@ void Substep::run(int k, double h) {
 void Substep::lose(double h) {
   for (int b = 1; b < system_.model.nbody; b++) kinematic_.set_late(b, h);
   kinematic_.pass_time(system_.model, h);
+  // Nobody is where the frame was to take them: none is put at its end (free_paths.h).
+  for (const Drive& d : system_.drives)
+    if (system_.active(d)) data_.result.disturbed[d.body(0)] = 1;
   data_.result.diagnostics.shortened++;
   data_.result.diagnostics.lost_time += h;
 }

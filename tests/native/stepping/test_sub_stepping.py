@@ -7,11 +7,12 @@ import pytest
 
 from halfphysics.base import rotations as rot
 from halfphysics.body.body import Body
-from halfphysics.geometry.shapes import Box, Sphere
+from halfphysics.geometry.shapes import Box, Plane, Sphere
 from halfphysics.motion.motion import Motion
 from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
 from halfphysics.simulation.simulator import Simulator
+from support.as_it_is import as_it_is
 from support.judges.person_hulls import CONTACTS
 from support.people import FACING_X, t_pose
 
@@ -196,3 +197,32 @@ def test_parts_that_a_budget_leaves_out_are_lost_time_and_said():
     assert behind.min() > -1e-12
     assert (behind <= lost + 1e-12).all()
     assert (lost <= 1.0 / 30.0 + 1e-12).all()
+
+
+def test_who_lost_time_by_it_does_not_arrive_behind_a_wall(body):
+    """A heap that jams and a ball that spins end the budget of somebody who comes to a wall,
+    touching nothing."""
+    scene = Scene()
+    scene.add_static("wall", Box((0.1, 3.0, 3.0)), position=(0.40, 0.0, 0.0))
+    scene.add_static("floor", Plane(), position=(0.0, 0.0, -3.0))
+    for side in (-0.35, 0.35):
+        scene.add_static(f"side{side}", Box((0.1, 2.0, 1.0)), position=(10.0 + side, 0.0, -2.5))
+    for i in range(18):
+        layer, row, column = i // 9, i % 9 // 3, i % 3
+        place = (9.8 + 0.2 * column, 0.2 * row - 0.2, -2.895 + 0.201 * layer)
+        scene.add_object(
+            f"box{i}", Box((0.2, 0.2, 0.2)), mass=10.0 ** (i % 3), position=place,
+            velocity=(0.0, 0.0, -3.0),
+        )  # fmt: skip
+    scene.add_object("ball", Sphere(0.03), mass=0.05, position=(5.0, 0.0, 0.0),
+                     angular_velocity=(0.0, 0.0, 300.0))  # fmt: skip
+    motion = t_pose(0.1 * np.arange(5)[:, None] * [1.0, 0.0, 0.0])
+    simulator = Simulator(scene, body=body, settings=as_it_is(), fps=30.0)
+    simulator.reset(motion[0])
+    lost = 0.0
+    for t in range(1, len(motion)):
+        frame = simulator.step(motion[t])
+        lost += frame.lost_time
+        assert frame.clearance > LEAST
+        assert not len(frame.breaches)
+    assert lost > 0.05, "the budget ends"

@@ -318,6 +318,18 @@ void SubStepping::activate(int island, const std::vector<int>& islands,
   }
 }
 
+// Things for which no time has passed have not fallen either: they keep the velocity that they came with.
+void SubStepping::keep_velocity() {
+  const Model& model = system_.model;
+  Step& step = data_.step;
+  for (int i = 0; i < model.nv; i++) {
+    const int b = model.dof_body[i];
+    if (!system_.world.active[b] || system_.is_person(b)) continue;
+    step.v_free[i] = data_.state.qvel[i];
+    step.spin[i] = 0;
+  }
+}
+
 // Commits the shares; islands that made only a share of the step go on one after the other. Returns
 // the most time that one lost.
 double SubStepping::go_on(double h, std::vector<double> share) {
@@ -346,6 +358,7 @@ double SubStepping::go_on(double h, std::vector<double> share) {
     data_.step.gravity_time = gravity_time;
     data_.cache.restore(warm);
     const double late = catch_up(h, rest, share[first] >= 0);
+    if (share[first] < 0 && late == rest) keep_velocity();
     for (int b = 1; b < model.nbody; b++)
       if (world.active[b]) kinematic_.set_late(b, late);
     lost = std::max(lost, late);

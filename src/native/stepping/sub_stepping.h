@@ -50,6 +50,7 @@ class SubStepping {
   void record(double h, const std::vector<double>& share);
   std::vector<char> longest(double h, const std::vector<double>& share);
   double go_on(double h, std::vector<double> share);
+  void keep_velocity();
   double catch_up(double h, double left, bool begun);
   void activate(int island, const std::vector<int>& islands, const std::vector<char>& all,
                 const std::vector<char>& stood);

@@ -226,3 +226,24 @@ def test_who_lost_time_by_it_does_not_arrive_behind_a_wall(body):
         assert frame.clearance > LEAST
         assert not len(frame.breaches)
     assert lost > 0.05, "the budget ends"
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5])
+def test_what_no_time_is_left_for_gains_no_speed(restitution):
+    """Flush boxes of 1, 10 and 100 kg that fall on the floor end their budget frame after frame."""
+    scene = Scene()
+    scene.add_static("floor", Plane(), restitution=restitution)
+    for i in range(18):
+        layer, row, column = i // 9, i % 9 // 3, i % 3
+        scene.add_object(
+            f"box{i}", Box((0.2, 0.2, 0.2)), mass=10.0 ** (i % 3), restitution=restitution,
+            position=(0.2 * column, 0.2 * row, 0.105 + 0.201 * layer), velocity=(0.0, 0.0, -3.0),
+        )  # fmt: skip
+    simulator = Simulator(scene, body=[], settings=Settings(), fps=30.0)
+    simulator.reset([])
+    lost, speed = [], []
+    for _ in range(40):
+        lost.append(simulator.step([]).lost_time)
+        speed.append(np.abs(simulator.world.stepper.qvel().reshape(-1, 6)[:, :3]).max())
+    assert sum(lost) > 0.2, "they stick"
+    assert max(speed) < 3.5

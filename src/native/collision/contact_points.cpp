@@ -274,11 +274,13 @@ void Generator::add_beside() {
 }
 
 // Points that carried an impulse in the substep before, as long as they face each other. Points of round
-// surfaces are found anew: what rolls leaves them behind, and borne there it would roll by itself.
+// things on things are found anew: what rolls leaves them behind, and borne there it would roll by itself.
 void Generator::add_cached(bool& nearest) {
   const CollisionShape& other = world.shapes[c.other_shape];
   const auto round = [](const Convex& hull) { return hull.radius > 0 || hull.rim > 0; };
-  if (round(shape.hull) || round(other.hull)) return;
+  // (In hands and under feet they stay: grips are steadier with them.)
+  const bool things = shape.person < 0 && other.person < 0;
+  if (things && (round(shape.hull) || round(other.hull))) return;
   const PosedShape& b0 = world.place(start, c.other_shape);
   for (const CachedContact& w : cached) {
     if (w.key != pair_key(c) || dot(w.normal, c.n) < tune::kCachedNormal) continue;

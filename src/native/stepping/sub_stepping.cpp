@@ -319,9 +319,11 @@ void SubStepping::activate(int island, const std::vector<int>& islands,
 }
 
 // Things for which no time has passed have not fallen either: they keep the velocity that they came with.
+// (Those of another engine have the one that it gave them.)
 void SubStepping::keep_velocity() {
   const Model& model = system_.model;
   Step& step = data_.step;
+  if (step.host_v_free) return;
   for (int i = 0; i < model.nv; i++) {
     const int b = model.dof_body[i];
     if (!system_.world.active[b] || system_.is_person(b)) continue;

@@ -94,3 +94,14 @@ def test_impossible_clips_are_refused(walk):
         Clip(walk, body(), speed=0.0)
     with pytest.raises(hp.errors.InputError, match="Clip: place: expected 2 finite numbers"):
         Clip(walk, body(), place=(0, 0, 0))
+
+
+def test_a_reset_forgets_where_it_was_put(walk):
+    """Episodes are alike whatever was played in those before."""
+    clip = Clip(walk, body())
+    first = clip.reset()
+    elsewhere = hp.Pose(np.add(first.translation, (5.0, 0.0, 0.0)), first.rotations, first.axes)
+    assert clip.restart(elsewhere).translation[0] == pytest.approx(first.translation[0] + 5.0)
+    again = clip.reset()
+    np.testing.assert_array_equal(again.translation, first.translation)
+    np.testing.assert_array_equal(again.rotations, first.rotations)

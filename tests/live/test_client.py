@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import collections
+import threading
 import time
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.errors import FileError, InputError
-from halfphysics.live import schema
+from halfphysics.live import client, schema
 from halfphysics.live.client import _frame
 from halfphysics.live.safety import Gate
 from halfphysics.live.server import Server
@@ -151,3 +152,16 @@ def test_a_pose_of_another_number_of_joints_is_refused():
     )
     with pytest.raises(InputError, match=r"\(54, 3\) numbers, expected \(3,\) and \(55, 3\)"):
         _frame(message)
+
+
+def test_a_server_that_never_greets_is_left(monkeypatch):
+    from websockets.sync.server import serve
+
+    monkeypatch.setattr(client, "_OPENS", 0.2)
+    with serve(
+        lambda socket: time.sleep(1.0), "127.0.0.1", 0, subprotocols=[schema.MSGPACK_PROTOCOL]
+    ) as silent:
+        threading.Thread(target=silent.serve_forever, daemon=True).start()
+        port = silent.socket.getsockname()[1]
+        with pytest.raises(FileError, match=r"says nothing for 0\.2 s; expected a live session"):
+            hp.connect(f"ws://127.0.0.1:{port}")

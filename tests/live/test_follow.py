@@ -182,3 +182,20 @@ def test_other_axes_are_turned_into_the_start_s(follower):
 def test_put(follower):
     follower.put(pose(x=4.0))
     assert follower.pose.translation[0] == 4.0
+
+
+@pytest.mark.parametrize("every", [1, 3, 6])
+def test_joints_relax_after_as_long_whatever_the_sender_s_rate(follower, every):
+    live(follower, pose(elbow=0.8), 300)
+    tracked = np.ones(55, dtype=bool)
+    tracked[ELBOW] = False
+    steps = 0
+    while steps < 2 * RELAX_AFTER / DT:
+        steps += 1
+        came = steps % every == 0
+        lost = arrival(pose(elbow=0.0), tracked, gap=every * DT) if came else None
+        target = follower.advance(lost, 0.0, every * DT)
+        if abs(target.rotations[ELBOW, 1] - 0.8) > 1e-3:
+            break
+    # It begins slowly, and with the next pose.
+    assert steps * DT == pytest.approx(RELAX_AFTER, abs=2 * every * DT + 0.1)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
+from halfphysics.base.axes import AXES
 from halfphysics.errors import InputError
 from halfphysics.live import schema
 from halfphysics.live.incoming import IncomingPose
@@ -189,3 +190,27 @@ def test_who_is_blocked_does_not_fall_behind():
         touched += len(session.newest.contacts.part) > 0
     assert touched > 5
     assert max(sizes[60:]) < sizes[30] + 1000, "a queue of 30 poses has 6,000 numbers"
+
+
+def test_what_a_client_asked_for_before_it_left_ends_with_it(session):
+    """A drag that still waits begins, and ends at once: nobody else could end it."""
+    answers = []
+    session.edit(schema.Drag("ball", (1.0, 1.0, 1.5), (1.0, 1.0, 0.1)), answers.append, "ws:1")
+    session.leave("ws:1")
+    session.step()
+    assert answers == [None]
+    assert session._editor.drags == {}
+
+
+def test_a_start_with_other_axes_is_the_same_person():
+    """Frames have axes of the identity: a pose of a y-up file stands where it stood."""
+    body, axes = hp.Body.default(), np.array(AXES["y"])
+    here = Session(fps=90.0).newest.poses["person"]
+    moved = here.translation + (np.eye(3) - axes) @ body.rest_joints[0]
+    there = hp.Pose(moved, here.rotations, axes)
+    np.testing.assert_allclose(body.joints(there), body.joints(here), atol=1e-12)
+    session = Session(start=[there], fps=90.0)
+    for frame in (session.newest, session.step()):
+        pose = frame.poses["person"]
+        np.testing.assert_array_equal(pose.axes, np.eye(3))
+        np.testing.assert_allclose(body.joints(pose), body.joints(here), atol=1e-9)

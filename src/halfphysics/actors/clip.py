@@ -93,7 +93,7 @@ class Clip:
         self._round = Round(turn, roots[0], (roots[-1] - roots[0]) * [1.0, 1.0, 0.0])
         self._seam = self._made_seam(self._fade)
         self._place: tuple[Array, Quat] | None = None
-        self.reset()
+        self._time = 0.0
 
     @property
     def duration(self) -> float:
@@ -107,15 +107,15 @@ class Clip:
 
     def reset(self, seed: int = 0) -> Pose:
         """The first frame; nothing is drawn by chance."""
-        self._time = 0.0
+        self._time, self._place = 0.0, None
         return self._at(0.0)
 
     def restart(self, pose: Pose) -> Pose:
         """The first frame, at the place of a pose and facing as it does."""
         at = pose.axes @ self._pelvis + pose.translation
         turn = heading_of(exp(vec(pose.rotations[0]))) - _facing(self._quats[0, 0])
-        self._place = (at * [1.0, 1.0, 0.0], about_z(turn))
-        return self.reset()
+        self._time, self._place = 0.0, (at * [1.0, 1.0, 0.0], about_z(turn))
+        return self._at(0.0)
 
     def next(self, dt: float, seen: Seen) -> Pose:
         """The clip `dt` [s] later; what is seen changes nothing."""

@@ -115,11 +115,22 @@ class LiveClient:
                 f"{url}: nothing answers there ({error}). Start halfphysics serve"
             ) from None
         self._keys = itertools.count(1)
-        first = self._message(_OPENS)
-        if not isinstance(first, schema.Hello):
+        self.hello = self._greeted(url)
+
+    def _greeted(self, url: str) -> schema.Hello:
+        """The first message; without one the connection is closed."""
+        expected = f"expected a live session of version {schema.VERSION}"
+        try:
+            first = self._message(_OPENS)
+            if isinstance(first, schema.Hello):
+                return first
+            raise InputError(f"{url}: {expected}")
+        except TimeoutError:
             self.close()
-            raise InputError(f"{url}: expected a live session of version {schema.VERSION}")
-        self.hello = first
+            raise FileError(f"{url}: says nothing for {_OPENS:g} s; {expected}") from None
+        except BaseException:
+            self.close()
+            raise
 
     @property
     def people(self) -> tuple[str, ...]:

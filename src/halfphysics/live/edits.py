@@ -77,7 +77,7 @@ class Editor:
             drag.pull(self.simulator, self.simulator.dt)
 
     def _add(self, action: schema.Add) -> None:
-        if len(self.simulator.world.scene.objects) >= bounds.MOST_OBJECTS:
+        if len(self.simulator.world.made_of.objects) >= bounds.MOST_OBJECTS:
             raise InputError(
                 f"add: found {bounds.MOST_OBJECTS} objects, expected fewer. Remove some first"
             )
@@ -134,7 +134,7 @@ class Editor:
 
     def _change(self, masses: dict[str, float], frictions: dict[str, float]) -> None:
         world = self.simulator.world
-        self.simulator.world = rebuilt(world, changed(world.scene, masses, frictions), True)
+        self.simulator.world = rebuilt(world, changed(world.made_of, masses, frictions), True)
 
     def _drag(self, action: schema.Drag, source: str) -> None:
         key = (source, action.name)

@@ -95,7 +95,7 @@ class Follower:
 
     def _take(self, arrived: IncomingPose, gap: float, interval: float) -> None:
         before = self.pose
-        goal = self._completed(arrived)
+        goal = self._completed(arrived, gap)
         passed = max(gap, self._dt)
         if arrived.time is not None and self._time is not None:
             # Poses that were held up on their way come together. Who was away longer than they
@@ -110,8 +110,11 @@ class Follower:
         if jumped:
             self._blend_from(before)
 
-    def _completed(self, arrived: IncomingPose) -> tuple[Array, Array]:
-        """Translation and rotations, in our axes, with the joints that the sender does not give."""
+    def _completed(self, arrived: IncomingPose, gap: float) -> tuple[Array, Array]:
+        """Translation and rotations, in our axes, with the joints that the sender does not give.
+
+        `gap`: the time since the pose before it [s].
+        """
         pose, rotations = arrived.pose, arrived.pose.rotations
         translation = pose.translation
         if pose.axes is not self._axes:
@@ -123,7 +126,7 @@ class Follower:
         self._absent[~lost] = 0.0
         rotations = np.where(lost[:, None], self._goal[1], rotations)
         relaxing = lost & RELAXING & (self._absent >= RELAX_AFTER)
-        self._absent[lost] += self._dt
+        self._absent[lost] += min(gap, RELAX_AFTER)
         rotations[relaxing] = self._rest.rotations[relaxing]
         if lost[0]:
             translation = self._goal[0]

@@ -14,6 +14,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
 from halfphysics.errors import HalfPhysicsError, InputError
 from halfphysics.live.clock import Clock
 from halfphysics.live.edits import Editor
@@ -22,13 +25,13 @@ from halfphysics.live.incoming import IncomingPose, Outgoing, Stamp
 from halfphysics.live.mailbox import Mailbox, Refusal
 from halfphysics.live.scheduling import short_slices
 from halfphysics.live.stance import stance
+from halfphysics.motion.pose import Pose
 from halfphysics.settings import Settings
 from halfphysics.simulation.simulator import Simulator
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
     from halfphysics.live.schema import Action
-    from halfphysics.motion.pose import Pose
     from halfphysics.scene.scene import Scene
     from halfphysics.simulation.frame import Frame
 
@@ -46,11 +49,22 @@ _WAITING = 256
 _APART = 1.0
 
 
+def _upright(pose: Pose, pelvis: NDArray[np.float64]) -> Pose:
+    """The same pose with axes of the identity: what is sent and recorded has no others."""
+    moved = pose.translation + (pose.axes - np.eye(3)) @ pelvis
+    return Pose(moved, pose.rotations, np.eye(3))
+
+
 @dataclass(frozen=True)
 class _Asked:
     action: Action
     source: str
     answer: Answer
+
+
+@dataclass(frozen=True)
+class _Gone:
+    source: str
 
 
 class Session:
@@ -96,7 +110,10 @@ class Session:
         standing = [
             stance(person.body, world.scene, y=_APART * i) for i, person in enumerate(world.people)
         ]
-        given = list(start or ())[: len(standing)]
+        given = [
+            _upright(pose, person.body.rest_joints[0])
+            for pose, person in zip(start or (), world.people, strict=False)
+        ]
         poses = [*given, *standing[len(given) :]]
         first = self.simulator.reset(poses)
         self.now = now
@@ -107,8 +124,7 @@ class Session:
             for pose, rest, person in zip(poses, standing, world.people, strict=True)
         ]
         self._editor = Editor(self.simulator, self.people)
-        self._asked: queue.Queue[_Asked] = queue.Queue(_WAITING)
-        self._gone: queue.SimpleQueue[str] = queue.SimpleQueue()
+        self._asked: queue.SimpleQueue[_Asked | _Gone] = queue.SimpleQueue()
         self._listeners: tuple[Listener, ...] = ()
         self._failed: list[Listener] = []
         self._stamps: dict[str, Stamp] = {}
@@ -134,15 +150,15 @@ class Session:
 
     def edit(self, action: Action, answer: Answer, source: str = "") -> None:
         """Ask for a change before the next step; `answer` is called by the thread that steps."""
-        try:
-            self._asked.put_nowait(_Asked(action, source, answer))
-        except queue.Full:
+        if self._asked.qsize() >= _WAITING:
             answer(f"edit: found {_WAITING} edits that wait, expected fewer. Ask again later")
+        else:
+            self._asked.put(_Asked(action, source, answer))
 
     def leave(self, source: str) -> None:
         """A source has gone: its people and what it dragged are free."""
         self.mailbox.release(source)
-        self._gone.put(source)
+        self._asked.put(_Gone(source))  # after what it has asked for
 
     def listen(self, listener: Listener) -> None:
         """Call `listener` with every frame, in the thread that steps: it must not block."""
@@ -236,13 +252,16 @@ class Session:
                 logger.exception("a listener of the live session failed; said once")
 
     def _obey(self) -> None:
-        while not self._gone.empty():
-            self._editor.let_go(self._gone.get())
-        for _ in range(_EDITS):
+        done = 0
+        while done < _EDITS:
             try:
                 asked = self._asked.get_nowait()
             except queue.Empty:
                 return
+            if isinstance(asked, _Gone):
+                self._editor.let_go(asked.source)
+                continue
+            done += 1
             try:
                 self.edited += self._editor.do(asked.action, asked.source)
             except HalfPhysicsError as error:

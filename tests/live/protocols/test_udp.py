@@ -182,3 +182,13 @@ def test_loopback_is_known():
     assert Endpoint("vmc", "::1", 1).is_local
     assert not Endpoint("vmc", "10.0.0.1", 1).is_local
     assert not Endpoint("vmc", "localhost.evil", 1).is_local
+
+
+def test_a_flood_of_a_stranger_takes_no_room_from_who_sends():
+    poses, receiver = [], UdpReceiver(ANYWHERE, Echo())
+    receiver.take(b"a", "h", 5.0, poses.append)
+    for _ in range(2 * MAX_RATE):
+        receiver.take(b"b", "stranger", 5.1, poses.append)
+    receiver.take(b"a", "h", 5.2, poses.append)
+    assert len(poses) == 2
+    assert receiver.counts.other_senders == 2 * MAX_RATE

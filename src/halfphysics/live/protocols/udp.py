@@ -128,11 +128,12 @@ class UdpReceiver:
     def take(self, data: bytes, sender: str, now: float, deliver: Deliver) -> None:
         """One datagram: checked, decoded, and its poses delivered. Never raises."""
         counts = self.counts
-        if not self._gate.has_room(now):
-            counts.over_rate += 1
-            return
+        # What is refused without a look takes no room from whoever sends.
         if not self._gate.is_open_to(sender, now):
             counts.other_senders += 1
+            return
+        if not self._gate.has_room(now):
+            counts.over_rate += 1
             return
         try:
             poses = self.decoder.decode(data, now)

@@ -303,9 +303,9 @@ class Stepper:
 
     def reset(
         self,
-        arg0: Annotated[NDArray[numpy.float64], "(*,)"],
-        arg1: Annotated[NDArray[numpy.float64], "(*,)"],
-        /,
+        qpos: Annotated[NDArray[numpy.float64], "(*,)"],
+        qvel: Annotated[NDArray[numpy.float64], "(*,)"],
+        stand: bool = True,
     ) -> None: ...
 
     def frame(
@@ -554,7 +554,18 @@ class HostedWorld:
         /,
     ) -> None: ...
 
-    def set_engine(self, arg0: int, arg1: int, arg2: int, /) -> None: ...
+    def set_engine(self, arg0: int, arg1: int, arg2: int, arg3: bool, /) -> None: ...
+
+    def set_masses(
+        self,
+        arg0: Annotated[NDArray[numpy.float64], "(*,)"],
+        arg1: Annotated[NDArray[numpy.float64], "(*, 3)"],
+        arg2: Annotated[NDArray[numpy.float64], "(*, 3)"],
+        arg3: Annotated[NDArray[numpy.float64], "(*, 4)"],
+        arg4: Annotated[NDArray[numpy.float64], "(*,)"],
+        arg5: Annotated[NDArray[numpy.float64], "(*,)"],
+        /,
+    ) -> None: ...
 
     def start(self) -> None: ...
 

@@ -112,3 +112,22 @@ def test_forces_in_the_world_are_taken_back_and_others_stay():
     assert not len(push.control.contact)
     np.testing.assert_array_equal(push.data.xfrc_applied[upper, :3], (0.0, 0.0, 1.0))
     np.testing.assert_array_equal(push.data.xfrc_applied[fore, :3], (0.0, 0.0, 2.0))
+
+
+@pytest.mark.parametrize("push", [lambda t: 8.0, lambda t: 8.0 + np.sin(t)])
+def test_one_number_that_a_user_writes_is_the_users_and_the_others_are_taken_back(push):
+    """As whole rows do: the same path, to the last bit."""
+    paths = []
+    for whole in (True, False):
+        it = Push()
+        path, fore = [], it.model.body("fore").id
+        for t in range(300):
+            if whole:
+                it.data.xfrc_applied[fore] = (0.0, push(t), 0.0, 0.0, 0.0, 0.0)
+            else:
+                it.data.xfrc_applied[fore, 1] = push(t)
+            it.step()
+            path.append(it.data.qpos.copy())
+        paths.append(path)
+    assert len(it.control.contact)
+    np.testing.assert_array_equal(paths[1], paths[0])

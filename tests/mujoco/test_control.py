@@ -379,3 +379,51 @@ def test_a_start_inside_a_robot_is_warned_of():
     start = along_x(0.0, 2, start=0.0, z=1.5)[0]
     with pytest.warns(HalfPhysicsWarning, match=r"pelvis \d+ mm inside link.*whatever force"):
         control.reset(start)
+
+
+CART = """<mujoco><option timestep="0.002"/><worldbody>
+  <body name="cart" pos="0 0 -0.1" gravcomp="1"><joint type="slide" axis="1 0 0"/>
+  <joint type="hinge" axis="0 1 0" stiffness="20000" damping="200"/>
+  <geom name="plate" type="box" size="1 1 .1" mass="60"/></body></worldbody></mujoco>"""
+
+
+def test_a_state_resumes_where_the_world_was_elsewhere_meanwhile():
+    """Who stands weighs on the cart where it is now, whatever MuJoCo last worked out of it."""
+    spec = mujoco.MjSpec.from_string(CART)
+    human = hp.attach(spec)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    control = human.bind(model, data, settings=hp.Settings(contact="parts"))
+    control.reset(t_pose())
+    data.qvel[0] = 0.5
+    for _ in range(100):
+        control.step(t_pose())
+    size = mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_INTEGRATION)
+    world, kept = np.empty(size), control.get_state()
+    mujoco.mj_getState(model, data, world, mujoco.mjtState.mjSTATE_INTEGRATION)
+
+    def go_on() -> np.ndarray:
+        path = []
+        for _ in range(40):
+            control.step(t_pose())
+            path.append(np.concatenate([data.qpos, data.qvel]))
+        return np.array(path)
+
+    first = go_on()
+    assert data.xfrc_applied[1, 2] < -500.0
+    data.qpos[0] = 1.0
+    mujoco.mj_forward(model, data)
+    mujoco.mj_setState(model, data, world, mujoco.mjtState.mjSTATE_INTEGRATION)
+    control.set_state(kept)
+    np.testing.assert_array_equal(go_on(), first)
+
+
+def test_states_of_other_worlds_are_refused():
+    kept = [thrown(contact)[2].get_state() for contact in ("skin", "parts")]
+    control = thrown("skin")[2]
+    before = control.get_state()
+    for state in (kept[1], kept[0][:-16] + bytes(8) + kept[0][-8:], kept[0][8:], bytes(32)):
+        with pytest.raises(InputError, match="set_state"):
+            control.set_state(state)
+    assert control.get_state() == before
+    control.set_state(kept[0])

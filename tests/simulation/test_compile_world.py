@@ -10,8 +10,11 @@ import pytest
 import halfphysics as hp
 from halfphysics import _native
 from halfphysics.errors import FileError, InputError
-from halfphysics.simulation.call_recorder import CALLS, CallRecorder
+from halfphysics.simulation import compile_world as compile_world_module
+from halfphysics.simulation.build_world import build_world
+from halfphysics.simulation.call_recorder import CALLS, Call, CallRecorder
 from halfphysics.simulation.compile_world import MOST_SUBSTEPS, MOST_SWEEPS
+from halfphysics.simulation.world_file import world_bytes
 from support.paths import ROOT
 
 REST = hp.Pose((0, 0, 1.0), np.zeros((55, 3)))
@@ -107,3 +110,31 @@ def test_what_a_reader_would_wait_for_too_long_is_not_written(what, most):
     assert np.isfinite(_native.run_world(data, 1)).all()
     with pytest.raises(InputError, match=f"{what}={most + 1}, expected at most"):
         hp.compile_world(body=[], settings=hp.Settings(**{what: most + 1}))
+
+
+@pytest.mark.parametrize(
+    "given",
+    ["root_speed", "recovery_rate", "clearance_range", "depenetration_speed", "drive_time"],
+)
+def test_whole_numbers_are_as_good_as_others(given):
+    whole, real = (hp.compile_world(scene(), settings=hp.Settings(**{given: n})) for n in (1, 1.0))
+    assert whole == real
+    _native.run_world(whole, 2)
+
+
+def test_feet_of_nobody_are_refused():
+    """A file from a stranger: a footing without legs, or with another person's."""
+    at = np.eye(3)
+    recorder = CallRecorder(_native.Stepper(), scene())
+    world = build_world(
+        [hp.Body.default()] * 2, scene(), hp.Settings(contact="parts"), {}, core=recorder
+    )
+    compile_world_module._label(recorder, world, [at] * 2)
+    calls = list(recorder.calls)
+    _native.run_world(world_bytes(calls), 2)
+    feet = [call for call in calls if call.name == "set_footing"]
+    none = {"joints": np.zeros((0, 3), np.int32), "soles": np.zeros(0, np.int32)}
+    for changes in (none, {"joints": feet[1].arguments["joints"]}):
+        forged = [Call(c.name, {**c.arguments, **changes}) if c is feet[0] else c for c in calls]
+        with pytest.raises(ValueError, match="set_footing"):
+            _native.run_world(world_bytes(forged), 2)

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from halfphysics import scenarios
 from halfphysics.base import rotations as rot
 from halfphysics.body.body import Body
 from halfphysics.errors import InputError
 from halfphysics.geometry.shapes import Box, Plane, Sphere
 from halfphysics.scene.scene import Scene
+from halfphysics.simulation.live_edits import rebuilt
 from halfphysics.simulation.simulator import Simulator
 from support.people import along_x, t_pose
+
+
+def as_parts(settings):
+    return replace(settings, contact="parts")
 
 
 def alone(scene):
@@ -222,3 +230,40 @@ def test_what_is_wrong_is_said_and_changes_nothing(do, says):
     np.testing.assert_array_equal(simulator.velocity("crate"), velocity)
     with pytest.raises(InputError, match="reset"):
         Simulator(crate(), body=[]).apply_impulse("crate", (0, 0, 1))
+
+
+@pytest.mark.parametrize("story", ["walk_into_wall", "kick_ball"])
+def test_whoever_is_rebuilt_is_where_it_was(story):
+    """In mid-air, in mid-step, at the wall: nobody is put on the ground anew."""
+    sequence = scenarios.load(story)
+    simulator = Simulator(
+        sequence.scene, body=sequence.body, settings=as_parts(sequence.settings), fps=30.0
+    )
+    motion = sequence.motion
+    hop = 0.3 * np.sin(np.linspace(0.0, 3.0 * np.pi, len(motion))) ** 2
+    raised = motion.with_frames(motion.translation + np.outer(hop, (0, 0, 1)), motion.rotations)
+    simulator.reset(raised[0])
+    for t in range(1, len(raised)):
+        simulator.step(raised[t])
+        was = simulator.world.stepper
+        again = rebuilt(simulator.world, simulator.world.made_of, True).stepper
+        np.testing.assert_array_equal(again.qpos(), was.qpos())
+        np.testing.assert_array_equal(again.qvel(), was.qvel())
+
+
+def test_a_jump_goes_on_as_it_would_when_something_comes_far_away():
+    clip = t_pose(np.tile((0.0, 0.0, 0.0), (60, 1)), fps=60.0).grounded(Body.default())
+    since = np.arange(len(clip)) / clip.fps - 0.2  # it takes off [s]
+    height = np.clip(3.0 * since - 0.5 * 9.81 * since**2, 0.0, None)
+    motion = clip.with_frames(clip.translation + np.outer(height, (0, 0, 1)), clip.rotations)
+    scene = Scene()
+    scene.add_static("floor", Plane())
+    a, b = (Simulator(scene, fps=60.0) for _ in range(2))
+    a.reset(motion[0])
+    b.reset(motion[0])
+    for t in range(1, len(motion)):
+        if t in (13, 14, 30, 47):
+            b.add_object(f"lamp{t}", Sphere(0.1), mass=1.0, position=(0, 30 + t, 0.1))
+        x, y = a.step(motion[t]), b.step(motion[t])
+        np.testing.assert_array_equal(y.pose.translation, x.pose.translation)
+        np.testing.assert_array_equal(y.pose.rotations, x.pose.rotations)

@@ -192,3 +192,14 @@ def test_an_interrupt_ends_the_threads(monkeypatch):
     monkeypatch.setattr(module, "recorded_result", interrupted)
     with pytest.raises(KeyboardInterrupt):
         hp.simulate_many([walk] * 8, scenarios.load("walk_into_wall").scene, threads=2)
+
+
+def test_a_walker_who_is_behind_at_the_end_was_not_at_the_start():
+    """Its clock and corrections are those of `simulate`, the first frame's too."""
+    story = scenarios.load("walk_into_wall")
+    motion = story.motion[:80]
+    one = hp.simulate(motion, story.scene, body=story.body)
+    (many,) = hp.simulate_many([motion], story.scene, body=story.body)
+    assert one.people[0].clock[-1] < 79 / motion.fps - 0.1  # it is blocked
+    np.testing.assert_array_equal(many.people[0].clock, one.people[0].clock)
+    np.testing.assert_array_equal(many.people[0].corrected, one.people[0].corrected)

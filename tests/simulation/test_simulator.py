@@ -256,3 +256,31 @@ def test_mistakes(body):
         Simulator(wall(), body=[body, body]).set_state(simulator.get_state())
     with pytest.raises(InputError, match=r"expected a halfphysics\.Motion"):
         simulate("clip.npz")
+
+
+def test_a_scene_that_is_changed_later_changes_no_simulator(body):
+    """What it was made of is its own: resets, rays, states and holds know nothing of the rest."""
+    motion, scene = along_x(1.0, 5, 0.0), Scene()
+    scene.add_object("ball", Sphere(0.05), mass=0.1, position=(1.0, 0.0, 1.0))
+    simulator = Simulator(scene, body=body)
+    first = simulator.reset(motion[0])
+    scene.add_object("box", Box((0.2, 0.2, 0.2)), mass=1.0, position=(0.0, 3.0, 0.0))
+    scene.add_static("wall", Box((1.0, 1.0, 1.0)), position=(0.0, 5.0, 0.0))
+    again = simulator.reset(motion[0])
+    assert set(again.objects) == set(first.objects) == {"ball"}
+    assert simulator.ray((0.0, 2.0, 0.0), (0.0, 1.0, 0.0)) is None
+    simulator.attach("ball")
+    assert set(simulator.step(motion[1]).objects) == {"ball"}
+    simulator.set_state(simulator.get_state())
+    simulator.reset(motion[0])
+
+
+@pytest.mark.parametrize("dt", [0.0, -1.0, 11.0, 1e9, np.inf, np.nan, "long"])
+def test_impossible_frames(body, dt):
+    motion = along_x(1.0, 3, 0.0)
+    simulator = Simulator(Scene(), body=body)
+    simulator.reset(motion[0])
+    with pytest.raises(InputError, match="dt"):
+        simulator.step(motion[1], dt=dt)
+    with pytest.raises(InputError, match="person"):
+        simulator.set_stiffness(1.0, person="a")

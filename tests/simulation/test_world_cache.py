@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 import halfphysics as hp
 from halfphysics import scenarios
+from halfphysics.simulation.build_world import build_world
 from halfphysics.simulation.compiled_model import model_arrays
 from halfphysics.simulation.simulate import follow
 from halfphysics.simulation.simulator import Simulator
@@ -227,3 +228,18 @@ def test_another_layer_or_soft_skin_needs_a_new_world():
     assert not use_again(world, scene("sofa"), hp.Settings())
     assert not use_again(world, scene(None), hp.Settings())
     assert not use_again(world, scene("mat"), hp.Settings(soft_skin=True))
+
+
+@pytest.mark.parametrize("ignored", [False, True])
+def test_what_may_press_a_soft_layer_needs_a_world_of_its_own(ignored):
+    def bed(ignore):
+        scene = hp.Scene()
+        scene.add_static("bed", hp.Box((2, 2, 0.4)), position=(0, 0, 0.2), soft="mattress")
+        scene.add_object("ball", hp.Sphere(0.1), mass=5.0, position=(0, 0, 0.6))
+        if ignore:
+            scene.ignore("ball", "bed")
+        return scene
+
+    world = build_world([], bed(ignored), hp.Settings())
+    assert not use_again(world, bed(not ignored), hp.Settings())
+    assert use_again(world, bed(ignored), hp.Settings())

@@ -163,3 +163,34 @@ def test_fingers_press_with_their_hand_and_each_is_recorded():
             felt[name] = impulse * result.motion.fps / own
     assert len(felt) == 28
     assert list(felt.values()) == pytest.approx([1.0] * 28, abs=FELT)
+
+
+@pytest.mark.parametrize("towards", [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0)])
+def test_a_cushion_at_a_knee_is_pressed_by_the_skin_alone(towards):
+    """Small hulls have no samples of their own: nothing presses a person but its skin, so that all
+    that a person feels is in the person's rows."""
+    body = hp.Body.default()
+    motion = along_x(0.0, 8, 0.0)
+    hulls, skin = body.skin_hulls, body.vertices(motion[0])
+    knee = JOINT_NAMES.index("left_knee")
+    every = np.split(skin[hulls.vertex], hulls.first[1:-1])
+    points = min((every[h] for h in np.flatnonzero(hulls.part == knee)), key=len)
+    towards, middle = np.array(towards, float), points.mean(axis=0)
+    far = (points @ towards).max() - middle @ towards
+    scene = hp.Scene(gravity=0.0)
+    scene.add_object(
+        "cushion",
+        hp.Sphere(0.08),
+        mass=0.5,
+        position=middle + (far + 0.085) * towards,
+        velocity=-0.8 * towards,
+        soft=hp.Soft(thickness=0.04, stiffness=2e5),
+    )
+    simulator = hp.Simulator(scene, body=body)
+    simulator.reset(motion[0])
+    felt = 0
+    for t in range(1, len(motion)):
+        contacts = simulator.step(motion[t]).contacts
+        assert (contacts.person == 0).all()
+        felt += len(contacts.part)
+    assert felt > 2

@@ -40,7 +40,7 @@ class _Recorded(Simulator):
         frame = self.reset(poses)
         core = self.world.stepper
         self.recorder = Recorder(self.world, count, self.dt)
-        self.recorder.start(core.qpos(), core.clearance(), core.inside())
+        self.recorder.start(core.qpos(), core.clearance(), core.inside(), core.footing())
         self._recorded = self.world
         return frame
 

@@ -11,6 +11,9 @@ from halfphysics.base.arrays import scalar_of
 from halfphysics.base.validation import is_whole, real, within
 from halfphysics.errors import InputError
 
+#: The most of anything that is counted: far beyond use, and what the core can count.
+MOST_COUNT = 1_000_000
+
 
 class FieldChecks:
     """Checks fields of `owner`; each raises "Class.field is VALUE; expected ..." (`InputError`)."""
@@ -49,8 +52,10 @@ class FieldChecks:
         self.holds(name, ok, f"a finite number {limit}")
 
     def count(self, name: str) -> None:
-        """An int of at least 1."""
-        self.holds(name, is_whole(self._value(name), least=1), "a whole number >= 1")
+        """An int from 1 to `MOST_COUNT`."""
+        value = self._value(name)
+        ok = is_whole(value, least=1) and value <= MOST_COUNT
+        self.holds(name, ok, f"a whole number >= 1, at most {MOST_COUNT:,}")
 
     def flag(self, name: str) -> None:
         """True or False."""

@@ -189,7 +189,7 @@ class Worlds:
         world starts again."""
         world = self._now[i]
         held = holding.with_held(world, name, part, person)
-        self._now[i] = live_edits.rebuilt(world, world.scene, True, held)
+        self._now[i] = live_edits.rebuilt(world, world.made_of, True, held)
         self._put(i)
 
     def holds(self, i: int, name: str) -> bool:
@@ -304,9 +304,9 @@ def _body_of(world: World, name: str) -> int:
     for person in world.people:
         if person.name == owner and rest in JOINT_INDEX:
             return int(person.bodies[JOINT_INDEX[rest]])
-    if name in world.scene.objects:
+    if name in world.made_of.objects:
         return int(world.joined.body(f"object/{name}").id)
-    item = world.scene.articulated.get(owner)
+    item = world.made_of.articulated.get(owner)
     if item is not None and name in item.link_names:
         index = item.link_names.index(name)
         return int(world.joined.body(f"articulated/{owner}/{index}").id)
@@ -319,7 +319,7 @@ def _body_of(world: World, name: str) -> int:
 def _joint_of(world: World, name: str) -> int:
     """The core's joint of a motor."""
     owner, _, rest = name.partition("/")
-    item = world.scene.articulated.get(owner)
+    item = world.made_of.articulated.get(owner)
     for i, link in enumerate(item.links if item is not None else ()):
         for k, joint in enumerate(link.joints):
             if joint.name == rest:

@@ -8,6 +8,7 @@ velocities of all bodies without the people; the impulses between people and wor
 from __future__ import annotations
 
 import math
+import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from numbers import Real
@@ -24,9 +25,10 @@ from halfphysics.motion.pose import Pose
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.mujoco import engine
 from halfphysics.mujoco.contact_data import PersonContacts, person_contacts
+from halfphysics.mujoco.host_masses import HostMasses, hangs_on_people
 from halfphysics.mujoco.host_model import host_model
 from halfphysics.mujoco.sensors import SensorFeed
-from halfphysics.simulation.argument_checks import several
+from halfphysics.simulation.argument_checks import check_person_index, several
 from halfphysics.simulation.coordinates import joints_from_core, joints_to_core
 from halfphysics.simulation.core_rows import ContactRows, contact_rows
 from halfphysics.simulation.start_warnings import warn_of_hosted_start
@@ -66,6 +68,7 @@ class Control(Bound):
         self._stepper = self._host.stepper
         self._world = _native.HostedWorld(self._stepper)
         self._connect()
+        self._masses = HostMasses(model, self._host)
         self._sensors = SensorFeed(model, data)
         usual = stiffness_array(settings.stiffness, "Settings.stiffness")
         self._usual = np.tile(usual, (len(humans), 1))
@@ -89,6 +92,7 @@ class Control(Bound):
         import mujoco
 
         poses = self._checked(pose)
+        self._follow_masses("reset")
         self._axes = [np.array(p.axes) for p in poses]
         still = np.zeros(len(self.people) * (3 * N_JOINTS + 3))
         self._stepper.reset(
@@ -141,10 +145,7 @@ class Control(Bound):
         if not self._started:
             raise InputError("set_stiffness: the person has no pose yet; call reset(pose) first")
         stiffness = stiffness_array(value, "set_stiffness")
-        if person is not None and not 0 <= person < len(self.people):
-            raise InputError(
-                f"set_stiffness: found person {person}, expected 0 to {len(self.people) - 1}"
-            )
+        check_person_index("set_stiffness", person, len(self.people))
         self._stiffness[slice(None) if person is None else person] = stiffness
         self._tell_stiffness(self._stiffness)
 
@@ -195,9 +196,8 @@ class Control(Bound):
     def get_state(self) -> bytes:
         """The people's state; save MuJoCo's own state with it."""
         forces = self._world.forces()
-        return bytes(
-            np.concatenate([self._stepper.save(), forces.ravel(), [len(forces)]]).tobytes()
-        )
+        end = [self._signature(), len(forces)]
+        return bytes(np.concatenate([self._stepper.save(), forces.ravel(), end]).tobytes())
 
     def set_state(self, state: bytes) -> None:
         """Restore a state of `get_state`; restore `data` first.
@@ -206,21 +206,31 @@ class Control(Bound):
             InputError: The state belongs to another model.
         """
         expected = "expected one that get_state gave"
-        if not isinstance(state, bytes) or len(state) < 8 or len(state) % 8:
+        if not isinstance(state, bytes) or len(state) < 16 or len(state) % 8:
             raise InputError(f"set_state: found {type(state).__name__} of another kind; {expected}")
         numbers = np.frombuffer(state)
-        count = numbers[-1]
-        if not 0 <= count <= self._model.nbody or _FORCES * count >= len(numbers):
-            raise InputError(f"set_state: the state is not whole; {expected}")
-        end = len(numbers) - 1 - _FORCES * int(count)
+        signature, count = numbers[-2:]
+        if signature != self._signature():
+            raise InputError(
+                f"set_state: the state is not whole, or of another world; {expected} with these "
+                f"geoms and people: {', '.join(self.names)}"
+            )
+        end = len(numbers) - 2 - _FORCES * int(count)
+        forces = numbers[end:-2].reshape(-1, _FORCES).copy()
+        if not np.isin(forces[:, 0], self._host.bodies).all():
+            raise InputError(f"set_state: forces on bodies that are not there; {expected}")
         try:
             self._stepper.load(numbers[:end].copy())
         except ValueError as error:
             raise InputError(f"set_state: {error}; {expected}") from None
         self._stiffness = self._stiffness_from_core()
-        self._world.set_forces(numbers[end:-1].reshape(-1, _FORCES).copy())
+        self._world.set_forces(forces)
         self._world.show()
         self._started = True
+
+    def _signature(self) -> float:
+        """Differs where geoms or people do."""
+        return float(zlib.crc32("\n".join(self.names).encode()))
 
     def _connect(self) -> None:
         """Hand MuJoCo's arrays to the core; they stay MuJoCo's."""
@@ -233,12 +243,14 @@ class Control(Bound):
         at = engine.Addresses.of(model, data)
         self._alone = at.step != 0
         if self._alone:
-            self._world.set_engine(at.step, at.model, at.data)
+            hangs = hangs_on_people(model, self._host)
+            self._world.set_engine(at.step, at.model, at.data, hangs)
 
     def _aim(self, pose: Pose | Sequence[Pose], dt: float | None) -> float:
         """Everything before the timesteps of a step; returns their length [s]."""
         count, h = self._steps(dt)
         poses = self._ready(pose)
+        self._follow_masses("step")
         self._tensed = any(p.stiffness_scale is not None for p in poses)
         if self._tensed:
             scales = [1.0 if p.stiffness_scale is None else p.stiffness_scale for p in poses]
@@ -247,6 +259,13 @@ class Control(Bound):
         self._world.aim(self._targets(poses), count, h)
         self._count, self._timestep = count, h
         return h
+
+    def _follow_masses(self, what: str) -> None:
+        """MuJoCo reads its model in every step; so do people."""
+        try:
+            self._masses.follow(self._world)
+        except ValueError as error:
+            raise InputError(f"{what}: MjModel: {error}") from None
 
     def _ready(self, pose: Pose | Sequence[Pose]) -> list[Pose]:
         """The poses of a step, which can be made."""

@@ -13,6 +13,7 @@ from halfphysics.errors import InputError
 from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.mujoco import geoms
+from halfphysics.mujoco.host_masses import gravity_of
 from halfphysics.scene.items import PERSON_FRICTION
 from halfphysics.settings import Settings
 from halfphysics.simulation.compiled_model import armature_of, model_arrays
@@ -85,7 +86,7 @@ def host_model(model: Any, humans: Sequence[Human], settings: Settings) -> HostM
         shapes.add_person(joint, index, human, person, settings)
     shapes.add_geoms()
     shapes.set_pairings(len(people))
-    set_settings(stepper, settings, np.array(model.opt.gravity))
+    set_settings(stepper, settings, gravity_of(model))
     stepper.finish([person.root for person in people])
     set_limits(stepper, settings, people)
     set_footing(stepper, settings, people)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypeVar, cast
 
+from halfphysics.base.validation import is_whole
 from halfphysics.body.body import Body
 from halfphysics.body.match import check_match
 from halfphysics.errors import InputError
@@ -31,6 +32,13 @@ def checked_bodies(body: Body | Sequence[Body] | None) -> list[Body]:
         if not isinstance(one, Body):
             raise InputError(f"body: found {one!r}, expected a halfphysics.Body")
     return bodies
+
+
+def check_person_index(what: str, person: int | None, people: int) -> None:
+    """Refuse what is neither None nor the index of one of `people`."""
+    if person is None or (is_whole(person, least=0) and person < people):
+        return
+    raise InputError(f"{what}: found person {person!r}, expected 0 to {people - 1}")
 
 
 def checked_scene(scene: Scene | None) -> Scene:

@@ -29,24 +29,24 @@ def set_settings(core: Any, settings: Settings, gravity: Array) -> None:
     """Give the core its settings and gravity (3,) [m/s^2]."""
     s, drive = settings, settings.drive
     core.set_drive(
-        time_constant=0.0 if drive.torque_frequency else s.drive_time or 0.0,
-        recovery_rate=s.recovery_rate,
+        time_constant=0.0 if drive.torque_frequency else float(s.drive_time or 0.0),
+        recovery_rate=float(s.recovery_rate),
         recover_root=s.root == "recover",
-        root_speed=s.root_speed,
+        root_speed=float(s.root_speed),
     )
     core.set_contact(
-        clearance=max(s.clearance, LEAST_CLEARANCE),
-        clearance_range=s.clearance_range,
-        depenetration_speed=s.depenetration_speed,
-        tolerance=s.tolerance,
+        clearance=max(float(s.clearance), LEAST_CLEARANCE),
+        clearance_range=float(s.clearance_range),
+        depenetration_speed=float(s.depenetration_speed),
+        tolerance=float(s.tolerance),
         max_sweeps=s.max_sweeps,
-        gravity=np.array(gravity),
+        gravity=np.array(gravity, dtype=np.float64),
     )
     core.set_baselines(
         internal_forces=drive.internal_forces,
-        joint_damping=drive.joint_damping,
-        torque_frequency=drive.torque_frequency,
-        torque_damping=drive.torque_damping,
+        joint_damping=float(drive.joint_damping),
+        torque_frequency=float(drive.torque_frequency),
+        torque_damping=float(drive.torque_damping),
     )
 
 

@@ -23,7 +23,7 @@ FASTEST = 12.0
 
 def draggable(simulator: Simulator, name: str) -> bool:
     """Whether the pointer can pull this object: it is free and not held."""
-    item = simulator.world.scene.objects.get(name)
+    item = simulator.world.made_of.objects.get(name)
     return item is not None and not isinstance(item, KinematicObject) and name not in simulator.held
 
 
@@ -81,7 +81,7 @@ class Drag:
         origin, _ = place.pose(simulator.world.stepper.qpos())
         speed, spin = simulator.velocity(self.name)
         # Gravity adds to the velocity during a frame; half of that is the mean error in velocity.
-        half = 0.5 * dt * simulator.world.scene.gravity
+        half = 0.5 * dt * simulator.world.made_of.gravity
         off = origin - (self.pointer + self.offset)
         decay = math.exp(-FREQUENCY * dt)
         # Offset that a critically damped spring would leave after the frame.

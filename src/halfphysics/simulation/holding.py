@@ -105,7 +105,7 @@ def with_held(world: World, name: str, part: str, person: int) -> Mapping[str, H
     place = {place.name: place for place in world.objects}.get(name)
     if place is None:
         raise InputError(f"attach: {_stranger(world, name)}")
-    if isinstance(world.scene.objects[name], KinematicObject):
+    if isinstance(world.made_of.objects[name], KinematicObject):
         raise InputError(f"{what}: it moves along its trajectory; expected an object of add_object")
     if not isinstance(place, FreeObject):
         raise InputError(f"{what}: {_holder(world, name)} holds it already; release({name!r}) it")
@@ -155,7 +155,7 @@ def _holder(world: World, name: str) -> str:
 
 
 def _stranger(world: World, name: str) -> str:
-    if name in world.scene.articulated or name in world.called.owner:
+    if name in world.made_of.articulated or name in world.called.owner:
         return (
             f"{name!r} is articulated, and what has joints cannot be held; expected an object of "
             "add_object"

@@ -90,12 +90,12 @@ def ray(
     cast = Ray(origin, direction)
     skipped = checked_names(ignore, world.names)
     qpos = world.stepper.qpos()
-    for static in world.scene.statics.values():
+    for static in world.made_of.statics.values():
         if static.name not in skipped:
             cast.meet(static.name, static.shape, static.position, static.quaternion)
     for place in world.objects:
         if place.name not in skipped:
-            cast.meet(place.name, world.scene.objects[place.name].shape, *place.pose(qpos))
+            cast.meet(place.name, world.made_of.objects[place.name].shape, *place.pose(qpos))
     for person, its in zip(world.people, axes, strict=True):
         if person.name not in skipped:
             cast.meet_person(person.name, person.body, Pose.trusted(*person.pose(qpos, its), its))
@@ -133,7 +133,7 @@ def rebuilt(
         at = free[place.name].qpos
         qpos[at : at + 3] = position + rot.rotate(quat, place.com)
         qpos[at + 3 : at + 7] = quat
-    new.stepper.reset(qpos, qvel)
+    new.stepper.reset(qpos, qvel, stand=False)  # people are where they are
     shapes = {key: i for i, key in enumerate(world.shape_keys) if key[0] not in other}
     shape = [shapes.get(key, -1) for key in new.shape_keys]
     new.stepper.adopt(
@@ -172,7 +172,7 @@ def _pushed(world: World, what: str, name: str) -> tuple[FreeObject, Object]:
 def _found(world: World, what: str, name: str) -> tuple[FreeObject | HeldObject, Object]:
     for place in world.objects:
         if place.name == name:
-            return place, world.scene.objects[name]
+            return place, world.made_of.objects[name]
     raise InputError(f"{what}: {world.unknown_object(name)}")
 
 

@@ -91,7 +91,7 @@ def record(
     targets = world.motion_coordinates(motions)
     balls = core_firmness(world, firmness)
     recorder = Recorder(world, len(targets), dt)
-    recorder.start(core.qpos(), core.clearance(), core.inside())
+    recorder.start(core.qpos(), core.clearance(), core.inside(), core.footing())
     while (at := recorder.frames) < len(targets):
         got = core.run(
             targets[at:],
@@ -131,11 +131,13 @@ class Recorder:
         self._contacts, self._inside = _Collected(12), _Collected(4)
         self._breaches, self._soft = _Collected(4), _Collected(COLUMNS, np.float32, MOST_PRESSED)
 
-    def start(self, qpos: Array, clearance: float, inside: Array) -> None:
-        """The first frame: coordinates (nq,), clearance [m] and rows of overlaps (n, 4)."""
+    def start(self, qpos: Array, clearance: float, inside: Array, footing: Array) -> None:
+        """The first frame: coordinates (nq,), clearance [m], rows of overlaps (n, 4), and of every
+        person how far its reference is behind [s] and whether its target was corrected (people, 2).
+        """
         self._qpos[0], self._clearance[0] = qpos, clearance
         self._substeps.append(self._qpos[:1].copy())
-        self._footing[0] = self._world.stepper.footing()
+        self._footing[0] = footing
         self._inside.add(inside, np.zeros(len(inside), dtype=np.int64))
         self.frames = 1
 

@@ -235,7 +235,8 @@ class _Run:
         world, motions = ready.world, ready.motions
         warn_of_start(world, motions, got["start_inside"])
         recorder = ready.recorder
-        recorder.start(got["start_qpos"], got["start_clearance"], got["start_inside"])
+        start = ("start_qpos", "start_clearance", "start_inside", "start_footing")
+        recorder.start(*(got[key] for key in start))
         recorder.add(got)
         result = recorded_result(world, motions, recorder.recording())
         warn_of_lost_time(result, stacklevel=1)

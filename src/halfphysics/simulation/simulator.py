@@ -24,6 +24,7 @@ from halfphysics.results.moment import Figure, Moment, at_start, standing_still,
 from halfphysics.results.overview import scene_lines
 from halfphysics.simulation import holding, live_edits
 from halfphysics.simulation.argument_checks import (
+    check_person_index,
     checked_bodies,
     checked_scene,
     checked_settings,
@@ -44,6 +45,9 @@ logger = logging.getLogger(__name__)
 
 Array = NDArray[np.float64]
 
+
+#: The longest frame of a step [s], as the C library has it.
+LONGEST_FRAME = 10.0
 
 #: What a simulator is made of; copies also have what a subclass or its user has added.
 _OWN = frozenset({"settings", "dt", "world", "_axes", "_started", "_firmness"})
@@ -95,7 +99,7 @@ class Simulator(InNotebook):
         self._must_be_native()
         poses = self._checked(pose)
         if self.world.held:
-            self.world = build_world(self.bodies, self.world.scene, self.settings)
+            self.world = build_world(self.bodies, self.world.made_of, self.settings)
         self._axes = tuple(np.array(p.axes, dtype=np.float64) for p in poses)
         self.world.reset(poses)
         self._firmness = np.tile(self.world.stiffness, (len(poses), 1))
@@ -112,6 +116,8 @@ class Simulator(InNotebook):
         if not self._started:
             raise InputError("step: the simulator has no pose yet; call reset(pose) first")
         dt = self.dt if dt is None else _positive("dt", dt)
+        if dt > LONGEST_FRAME:
+            raise InputError(f"step: dt: found {dt:g} s, expected at most {LONGEST_FRAME:g} s")
         with self._tensed(poses):
             substeps = self._move(self.world.targets(poses), dt)
         return self._frame(substeps, poses)
@@ -155,8 +161,7 @@ class Simulator(InNotebook):
             raise InputError("set_stiffness: the simulator has no pose yet; call reset(pose) first")
         firmness = stiffness_array(value, "set_stiffness")
         people = len(self.world.people)
-        if person is not None and not 0 <= person < people:
-            raise InputError(f"set_stiffness: found person {person}, expected 0 to {people - 1}")
+        check_person_index("set_stiffness", person, people)
         chosen = slice(None) if person is None else person
         self._firmness[chosen] = firmness
         self.world.stepper.set_stiffness(self.world.stiffness_to_core(self._firmness))
@@ -184,7 +189,7 @@ class Simulator(InNotebook):
             )
         world = self.world
         if state.held != world.held:
-            world = build_world(world.bodies, world.scene, world.settings, state.held)
+            world = build_world(world.bodies, world.made_of, world.settings, state.held)
         try:
             world.stepper.load(np.frombuffer(state.numbers))
         except ValueError as error:
@@ -262,7 +267,7 @@ class Simulator(InNotebook):
         Raises:
             InputError: As `Scene.add_object` does. FileError: A mesh file that cannot be used.
         """
-        scene = self.world.scene._copied()
+        scene = self.world.made_of._copied()
         scene.add_object(name, shape, **options)
         self.world = live_edits.rebuilt(self.world, scene, self._started)
 
@@ -273,7 +278,7 @@ class Simulator(InNotebook):
             InputError: There is none of this name.
         """
         live_edits.removable(self.world, name)
-        scene = self.world.scene._copied(without=name)
+        scene = self.world.made_of._copied(without=name)
         self.world = live_edits.rebuilt(self.world, scene, self._started)
 
     def attach(self, name: str, part: str = "right_wrist", person: int = 0) -> None:
@@ -294,7 +299,7 @@ class Simulator(InNotebook):
         """
         self._must_run("attach")
         held = holding.with_held(self.world, name, part, person)
-        self.world = live_edits.rebuilt(self.world, self.world.scene, True, held)
+        self.world = live_edits.rebuilt(self.world, self.world.made_of, True, held)
 
     def release(self, name: str) -> None:
         """Let go of what `attach` tied: a free object again, with the velocity that it has.
@@ -304,7 +309,7 @@ class Simulator(InNotebook):
         """
         self._must_run("release")
         held = holding.without_held(self.world, name)
-        self.world = live_edits.rebuilt(self.world, self.world.scene, True, held)
+        self.world = live_edits.rebuilt(self.world, self.world.made_of, True, held)
 
     @property
     def held(self) -> Mapping[str, tuple[int, str]]:

@@ -80,7 +80,7 @@ def _warn_of_inside(world: Named, rows: Array, meaning: str, caller: int, least:
 def _warn_of_floating(world: World, motions: Sequence[Motion]) -> None:
     """One warning for each clip from a file whose first frame is in mid-air in this scene."""
     for person, motion in zip(world.people, motions, strict=True):
-        found = None if motion.origin is None else floating(person.body, motion[0], world.scene)
+        found = None if motion.origin is None else floating(person.body, motion[0], world.made_of)
         if found is not None:
             warnings.warn(
                 f"{person.name} starts {100.0 * found[0]:.0f} cm above {found[1]}, on nothing. "

@@ -141,10 +141,10 @@ class World:
 
     def place_objects(self, qpos: Array, qvel: Array) -> None:
         """Puts the objects where they start, into coordinates (nq,) and velocities (nv,)."""
-        for place, item in zip(self.objects, self.scene.objects.values(), strict=True):
+        for place, item in zip(self.objects, self.made_of.objects.values(), strict=True):
             if isinstance(place, FreeObject):
                 place.put_at_start(item, qpos, qvel)
-        for articulated in self.scene.articulated.values():
+        for articulated in self.made_of.articulated.values():
             jointed.start(self.joined, articulated, qpos, qvel)
 
     @cached_property

@@ -66,6 +66,9 @@ def _fits(world: World, scene: Scene, settings: Settings) -> bool:
     )
     if any(list(old) != list(new) for old, new in groups):
         return False
+    # What may press a soft layer is listed when a world is made.
+    if world.soft and set(was.ignored_pairs) != set(scene.ignored_pairs):
+        return False
     return (
         all(_same_static(old, scene.statics[n]) for n, old in was.statics.items())
         and all(_same_shape(old, scene.objects[n]) for n, old in was.objects.items())

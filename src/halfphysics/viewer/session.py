@@ -313,7 +313,9 @@ class Session:
         old = self.simulator
         simulator = old
         if replace(settings, stiffness=1.0) != replace(old.settings, stiffness=1.0):
-            simulator = Simulator(old.world.scene, body=old.bodies, settings=settings, fps=self.fps)
+            simulator = Simulator(
+                old.world.made_of, body=old.bodies, settings=settings, fps=self.fps
+            )
             simulator.set_state(old.get_state())
         if (knobs.masses, knobs.frictions) != (self.knobs.masses, self.knobs.frictions):
             simulator.world = rebuilt(simulator.world, scene, True)

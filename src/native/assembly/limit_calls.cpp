@@ -56,6 +56,7 @@ void set_footing(Stepper& s, int person, Faces joints, Ints soles, int hands, In
   const Model& m = s.system.model;
   need(person >= 0 && person < (int)s.system.drives.size() && joints.shape(0) == soles.shape(0),
        "set_footing: bad person or length");
+  const Drive& d = s.system.drives[person];
   auto model = std::make_shared<FootingModel>();
   const std::vector<SkinPoint> points = skin_points(s, body, weight, local, normal);
   auto next = points.begin();
@@ -65,9 +66,9 @@ void set_footing(Stepper& s, int person, Faces joints, Ints soles, int hands, In
     int* quats[] = {&leg.hip_qpos, &leg.knee_qpos, &leg.ankle_qpos};
     for (int k = 0; k < 3; k++) {
       const int b = joints.data()[3 * f + k];
-      need(b > 0 && b < m.nbody && m.plain_ball[b], "set_footing: no such joint");
+      need(b > 0 && b < m.nbody && m.plain_ball[b] && m.root[b] == d.body(0),
+           "set_footing: no such joint of the person");
       *bodies[k] = b, *quats[k] = m.jnt_qpos[m.jnt_first[b]];
-      const Drive& d = s.system.drives[person];
       for (int ball = 0; ball < d.ball_count() && !d.ranges.empty(); ball++)
         if (d.body(ball) == b) leg.ranges.push_back(d.ranges[ball]);
     }
@@ -81,7 +82,10 @@ void set_footing(Stepper& s, int person, Faces joints, Ints soles, int hands, In
     next += soles.data()[f];
     model->legs.push_back(leg);
   }
+  need(!model->legs.empty(), "set_footing: no leg");
   need(hands >= 0 && points.end() - next >= hands, "set_footing: too few points");
+  for (const SkinPoint& p : points)
+    for (int b : p.body) need(m.root[b] == d.body(0), "set_footing: skin of another person");
   model->skin.assign(next, points.end() - hands);
   model->hands.assign(points.end() - hands, points.end());
   s.system.drives[person].footing.model = model;

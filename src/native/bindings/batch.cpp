@@ -21,7 +21,7 @@ struct Job {
   Stepper* stepper = nullptr;
   const double *qpos = nullptr, *qvel = nullptr, *lambda = nullptr;
   Frames frames;
-  std::vector<double> start_qpos, start_inside;
+  std::vector<double> start_qpos, start_inside, start_footing;
   double start_clearance = 0;
   Recording recording;
   std::exception_ptr error;
@@ -33,6 +33,7 @@ struct Job {
     start_qpos = s.qpos();
     start_clearance = s.clearance();
     inside_rows(s.system.world, start_inside);
+    s.footing(start_footing);
     while (recording.done < frames.count && !stopped) frames.run(s, recording);
   }
 };
@@ -93,6 +94,7 @@ class Batch {
     d["start_qpos"] = array(job->start_qpos);
     d["start_clearance"] = job->start_clearance;
     d["start_inside"] = array({job->start_inside.size() / 4, 4}, job->start_inside);
+    d["start_footing"] = array({job->start_footing.size() / 2, 2}, job->start_footing);
     return d;
   }
 

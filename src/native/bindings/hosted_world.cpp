@@ -8,6 +8,7 @@
 #include <system_error>
 #include <thread>
 
+#include "assembly/model_check.h"
 #include "bindings/stepper.h"
 
 using namespace hp;
@@ -54,6 +55,7 @@ struct HostedWorld {
   std::vector<double> targets;
   int n = 0;
   double h = 0;
+  bool watched = false;  // something of the host's hangs on people's mirrors
   bool begun = false;
   std::string error;
 
@@ -69,7 +71,7 @@ struct HostedWorld {
   }
   // Frames without the interpreter: false, and `error` says why, where MuJoCo gave up.
   bool run() {
-    begin(false);
+    begin(watched);
     for (int k = 0; k < n; k++) {
       stepper.before_hosted(k);
       if (!call()) return false;
@@ -122,6 +124,29 @@ void set_arrays(HostedWorld& w, Floats qpos, Floats qvel, Floats qacc, Floats da
          "set_arrays: no such mirror");
     h.mirrors.push_back({body, row});
   }
+}
+
+// What the host reads of its model in every step: of its bodies in the core, of its dofs, and gravity.
+void set_masses(HostedWorld& w, Doubles mass, Rows3 inertia, Rows3 ipos, Rows4 iquat,
+                Doubles armature, Doubles gravity) {
+  System& system = w.stepper.system;
+  const size_t n = w.host.bodies.size();
+  need(mass.shape(0) == n && inertia.shape(0) == n && ipos.shape(0) == n && iquat.shape(0) == n &&
+           (int)armature.shape(0) == w.host.nv && gravity.shape(0) == 3,
+       "set_masses: bad length");
+  Model changed = system.model;
+  const std::vector<Vec3> moments = vectors(inertia), centres = vectors(ipos);
+  const std::vector<Quat> turns = quats(iquat);
+  for (size_t i = 0; i < n; i++) {
+    changed.mass[i + 1] = mass.data()[i];
+    changed.inertia[i + 1] = moments[i], changed.ipos[i + 1] = centres[i];
+    changed.iquat[i + 1] = turns[i];
+  }
+  std::copy_n(armature.data(), w.host.nv, changed.armature.begin());
+  assembly::check_model(changed);
+  changed.add_up_masses();
+  system.model = std::move(changed);
+  system.gravity = load3(gravity.data());
 }
 
 void aim(HostedWorld& w, Doubles targets, int n, double h) {
@@ -177,11 +202,13 @@ void bind_hosted_world(nb::module_& m) {
       .def(nb::init<Stepper&>(), nb::keep_alive<1, 2>())
       .def("set_arrays", &set_arrays)
       .def("set_engine",
-           [](HostedWorld& w, uintptr_t step, uintptr_t model, uintptr_t data) {
+           [](HostedWorld& w, uintptr_t step, uintptr_t model, uintptr_t data, bool watched) {
              w.engine = reinterpret_cast<EngineStep>(step);
              w.model = reinterpret_cast<void*>(model);
              w.data = reinterpret_cast<void*>(data);
+             w.watched = watched;
            })
+      .def("set_masses", &set_masses)
       .def("start", [](HostedWorld& w) { w.stepper.start_hosted(w.host); })
       .def("aim", &aim)
       .def("run",

@@ -5,6 +5,7 @@
 #include "bindings/recording.h"
 
 using namespace hp;
+using namespace nb::literals;
 
 namespace {
 
@@ -41,13 +42,15 @@ nb::dict run(Stepper& s, Square targets, double dt, int n, bool record, double s
 
 void bind_stepper_frames(StepperClass& stepper) {
   stepper
-      .def("reset",
-           [](Stepper& s, Doubles qpos, Doubles qvel) {
-             const Model& m = s.system.model;
-             need((int)qpos.shape(0) == m.nq && (int)qvel.shape(0) == m.nv,
-                  "reset: bad length of qpos or qvel");
-             s.reset(qpos.data(), qvel.data());
-           })
+      .def(
+          "reset",
+          [](Stepper& s, Doubles qpos, Doubles qvel, bool stand) {
+            const Model& m = s.system.model;
+            need((int)qpos.shape(0) == m.nq && (int)qvel.shape(0) == m.nv,
+                 "reset: bad length of qpos or qvel");
+            s.reset(qpos.data(), qvel.data(), stand);
+          },
+          "qpos"_a, "qvel"_a, "stand"_a = true)
       .def("frame", &frame)
       .def("run", &run)
       .def("set_velocity",

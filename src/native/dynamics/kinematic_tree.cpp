@@ -26,8 +26,7 @@ void Model::finish() {
     trees.back().last = b;
     trees.back().dof_end = dofs += dof_count[b];
   }
-  carried = mass;
-  for (int b = nbody - 1; b > 0; b--) carried[parent[b]] += carried[b];
+  add_up_masses();
   plain_ball.assign(nbody, 0);
   for (int b = 1; b < nbody; b++) {
     int j = jnt_first[b];
@@ -49,6 +48,11 @@ void Model::finish() {
     chain.push_back(i);
     row_size[i] = (int)chain.size() - row_start[i];
   }
+}
+
+void Model::add_up_masses() {
+  carried = mass;
+  for (int b = nbody - 1; b > 0; b--) carried[parent[b]] += carried[b];
 }
 
 void Kinematics::resize(const Model& m) {

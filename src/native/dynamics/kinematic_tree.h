@@ -47,7 +47,8 @@ struct Model {
   // The last dof by which contacts move a body, -1: none.
   int pushed_dof(int body) const { return held[body] ? -1 : last_dof[body]; }
 
-  void finish();  // throws std::invalid_argument on inconsistent arrays
+  void finish();         // throws std::invalid_argument on inconsistent arrays
+  void add_up_masses();  // what follows from masses alone
 };
 
 // Spatial vector about the tree's reference point: angular part, then linear.

@@ -13,7 +13,7 @@ void Host::show(const Kinematics& kin) const {
   }
 }
 
-void AppliedForces::add(const Host& host, int body, Vec3 at, Vec3 force) {
+void AppliedForces::add(const Host& host, int body, Vec3 centre, Vec3 at, Vec3 force) {
   double* row = host.applied + 6 * body;
   auto known =
       std::find_if(rows_.begin(), rows_.end(), [&](const Row& r) { return r.body == body; });
@@ -22,14 +22,15 @@ void AppliedForces::add(const Host& host, int body, Vec3 at, Vec3 force) {
     std::copy_n(row, 6, known->before);
   }
   store3(row, load3(row) + force);
-  store3(row + 3, load3(row + 3) + cross(at - load3(host.xipos + 3 * body), force));
+  store3(row + 3, load3(row + 3) + cross(at - centre, force));
   std::copy_n(row, 6, known->after);
 }
 
 void AppliedForces::remove(const Host& host) {
   for (const Row& r : rows_) {
     double* row = host.applied + 6 * r.body;
-    if (std::equal(row, row + 6, r.after)) std::copy_n(r.before, 6, row);
+    for (int i = 0; i < 6; i++)
+      if (row[i] == r.after[i]) row[i] = r.before[i];
   }
   rows_.clear();
 }

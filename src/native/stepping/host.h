@@ -17,8 +17,9 @@ struct Host {
   std::vector<int> bodies;  // the host's numbers of the core's bodies 1, 2, ...
   double *qpos = nullptr, *qvel = nullptr, *qacc = nullptr;
   const double* damping = nullptr;  // of joints, implicit, per dof
-  const double* xipos = nullptr;    // centres of mass of all its bodies (., 3) [m]
-  double* applied = nullptr;        // forces and torques on bodies at xipos (., 6) [N, N m]
+  const double* xipos =
+      nullptr;                // centres of mass of all its bodies (., 3) [m], as it last found them
+  double* applied = nullptr;  // forces and torques on bodies at xipos (., 6) [N, N m]
   double *mocap_pos = nullptr, *mocap_quat = nullptr;
 
   struct Mirror {
@@ -34,11 +35,11 @@ struct Host {
 };
 
 // Forces of ours among those that a host applies to its bodies: added for a while, then taken back
-// exactly. A row that somebody else has written meanwhile is theirs, and stays.
+// exactly. A number that somebody else has written meanwhile is theirs, and stays.
 class AppliedForces {
  public:
-  // On a body of the host, by its number there.
-  void add(const Host& host, int body, Vec3 at, Vec3 force);
+  // On a body of the host, by its number there, whose centre of mass is at `centre`.
+  void add(const Host& host, int body, Vec3 centre, Vec3 at, Vec3 force);
   void remove(const Host& host);
   // Rows of 13: the body, its row without ours and with them.
   std::vector<double> save() const;

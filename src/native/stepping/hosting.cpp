@@ -86,8 +86,18 @@ void Hosting::before(System& system, Data& data, int k) {
   data.result.points.clear();
   pressing_.clear();
   StandingLoad::pressing(system, h_, pressing_);
-  for (const StandingLoad::Pressing& p : pressing_)
-    forces_.add(*host_, host_->number(system.world.shapes[p.shape].body), p.at, p.force);
+  if (!pressing_.empty()) press(system, data.state);
+}
+
+// Weights of people, about centres of mass where the host's bodies are now: its own are those of the
+// timestep before, or of wherever they were before somebody put them here.
+void Hosting::press(const System& system, const State& state) {
+  pose_bodies(system, state);
+  for (const StandingLoad::Pressing& p : pressing_) {
+    const int b = system.world.shapes[p.shape].body;
+    const Vec3 centre = now_.kin.xpos[b] + now_.kin.xmat[b] * system.model.ipos[b];
+    forces_.add(*host_, host_->number(b), centre, p.at, p.force);
+  }
 }
 
 void Hosting::after(System& system, Data& data, Substep& substep, int k) {
@@ -98,8 +108,8 @@ void Hosting::after(System& system, Data& data, Substep& substep, int k) {
   give_back(system, data);
 }
 
-// The host's bodies went no farther since the frame began than free paths assume.
-bool Hosting::stay_clear(System& system, const State& state) {
+// The host's bodies where it has them now.
+void Hosting::pose_bodies(const System& system, const State& state) {
   const Model& model = system.model;
   hosted_.assign(model.nbody, 0);
   for (int b = 1; host_->owns(b); b++) hosted_[b] = 1;
@@ -107,6 +117,11 @@ bool Hosting::stay_clear(System& system, const State& state) {
   std::copy_n(host_->qpos, host_->nq, path_.begin());
   now_.kin.resize(model);
   now_.kin.update(model, path_.data(), hosted_.data());
+}
+
+// The host's bodies went no farther since the frame began than free paths assume.
+bool Hosting::stay_clear(System& system, const State& state) {
+  pose_bodies(system, state);
   travel_bounds(system.world.shapes, state.pose, now_, hosted_, way_);
   return !paths_.beyond(system, way_);
 }
@@ -200,7 +215,9 @@ void Hosting::end(System& system, Data& data) {
         {shape_of(system, p.person), -1, p.shape, p.at, {0, 0, 1}, -h_ * p.force, 0});
   auto push = [&](int shape, Vec3 at, Vec3 force) {
     const int body = shape < 0 ? 0 : system.world.shapes[shape].body;
-    if (host_->owns(body)) forces_.add(*host_, host_->number(body), at, force);
+    if (!host_->owns(body)) return;
+    const int b = host_->number(body);
+    forces_.add(*host_, b, load3(host_->xipos + 3 * b), at, force);
   };
   for (const FrameResult::Point& p : data.result.points) {
     push(p.shape, p.position, (1 / h_) * p.impulse);

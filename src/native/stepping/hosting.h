@@ -40,6 +40,8 @@ class Hosting {
   Change take_pose(const System& system, State& state) const;
   void take(System& system, State& state);
   void show_path(const System& system, double share);
+  void pose_bodies(const System& system, const State& state);
+  void press(const System& system, const State& state);
   bool stay_clear(System& system, const State& state);
   void leave_paths(System& system, Data& data, int k);
   void move_all(System& system, Data& data);

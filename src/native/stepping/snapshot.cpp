@@ -1,5 +1,6 @@
 #include "stepping/snapshot.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "stepping/exit_motion.h"
@@ -11,11 +12,26 @@ void update_velocity(const System& system, State& state) {
   for (const Drive& d : system.drives) d.motion.velocity(state.qvel.data());
 }
 
+std::vector<double> Snapshot::parts() const {
+  const Model& model = system.model;
+  const World& world = system.world;
+  return {(double)model.nq,
+          (double)model.nv,
+          (double)model.nbody,
+          (double)system.drives.size(),
+          (double)world.shapes.size(),
+          (double)world.statics.size(),
+          world.self_contact() ? 1.0 : 0.0,
+          (double)data.soft.pairs(),
+          (double)system.prescribed};
+}
+
 std::vector<double> Snapshot::save() {
   State& state = data.state;
   const World& world = system.world;
   update_velocity(system, state);
-  std::vector<double> out(state.qpos);
+  std::vector<double> out = parts();
+  out.insert(out.end(), state.qpos.begin(), state.qpos.end());
   out.insert(out.end(), state.qvel.begin(), state.qvel.end());
   for (const Drive& d : system.drives) d.save(out);
   world.save(out);
@@ -32,6 +48,10 @@ std::vector<double> Snapshot::save() {
 void Snapshot::check(const std::vector<double>& state) const {
   if (state.size() < 2 || state.back() != (double)(state.size() - 1))
     throw std::invalid_argument("the state is not whole");
+  const std::vector<double> own = parts();
+  if (state.size() <= own.size() || !std::equal(own.begin(), own.end(), state.begin()))
+    throw std::invalid_argument(
+        "the state is of people or items of other numbers, or of other contact settings");
 }
 
 void Snapshot::load(const std::vector<double>& numbers) {
@@ -39,7 +59,7 @@ void Snapshot::load(const std::vector<double>& numbers) {
   World& world = system.world;
   const Model& model = system.model;
   state.pose_known = false;
-  const double* in = numbers.data();
+  const double* in = numbers.data() + parts().size();
   std::copy(in, in + model.nq, state.qpos.begin());
   in += model.nq;
   std::copy(in, in + model.nv, state.qvel.begin());

@@ -28,6 +28,7 @@ class SoftContacts {
   // Lists the pairs; after the system is finished.
   void finish(const System& system);
   bool any() const { return pairs_.size() > 0; }
+  int pairs() const { return pairs_.size(); }
   // Everything has been moved.
   void reset(const Model& m);
 

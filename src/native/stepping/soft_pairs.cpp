@@ -38,19 +38,41 @@ double room(const System& system, Poses& start, const SoftPair& pair, double ran
          a.radius;
 }
 
+// A person's skin presses by its samples: hulls that have none of them are pressed by nothing, as their
+// neighbours' samples are where they are.
+bool pressed_by_samples(const System& system, const std::vector<char>& sampled, int shape) {
+  const int person = system.world.shapes[shape].person;
+  return person >= 0 && sampled[person];
+}
+
+// Per person: does its skin have samples?
+std::vector<char> sampled_people(const System& system) {
+  std::vector<char> out(system.drives.size(), 0);
+  const std::vector<CollisionShape>& shapes = system.world.shapes;
+  for (size_t i = 0; i < shapes.size(); i++)
+    if (shapes[i].person >= 0 && system.soft.samples_of((int)i).size() > 0)
+      out[shapes[i].person] = 1;
+  return out;
+}
+
 }  // namespace
 
 void SoftPairs::finish(const System& system) {
   all_.clear();
   if (system.soft.any()) {
     const World& world = system.world;
+    const std::vector<char> sampled = sampled_people(system);
+    auto press = [&](int shape, int other) {
+      const bool own = system.world.shapes[shape].person >= 0;
+      if (own || !pressed_by_samples(system, sampled, other)) list(system, shape, -1, other);
+    };
     for (int i = 0; i < (int)world.shapes.size(); i++) {
       for (int k = 0; k < (int)world.statics.size(); k++)
         if (!world.pairing(world.shapes[i].name, world.statics[k].name).ignore)
           list(system, i, k, -1);
       for (int j = 0; j < i; j++)
         if (system.tree(i) != system.tree(j) && world.may_touch(system.model, i, j))
-          first_presses(system, i, j) ? list(system, i, -1, j) : list(system, j, -1, i);
+          first_presses(system, i, j) ? press(i, j) : press(j, i);
     }
   }
   find_groups(system);

@@ -22,7 +22,7 @@ void Stepper::finish(const std::vector<int>& person_roots) {
   substep_.finish();
 }
 
-void Stepper::reset(const double* qpos, const double* qvel) {
+void Stepper::reset(const double* qpos, const double* qvel, bool stand) {
   State& state = data_.state;
   World& world = system.world;
   const Model& model = system.model;
@@ -43,7 +43,7 @@ void Stepper::reset(const double* qpos, const double* qvel) {
   world.asleep.assign(model.nbody, 0);  // what they rest on is known when they wake
   prescribed_.reset(system);
   world.reset(model, state.pose);
-  aiming_.start(system, state);
+  if (stand) aiming_.start(system, state);
   for (int b : system.start_asleep) world.asleep[b] = 1;
   kinematic_.reset(model);
   state.exit_path.assign(model.nbody, 0);
@@ -191,6 +191,7 @@ void Stepper::load(const std::vector<double>& state) {
   data_.result.touches.clear();
   data_.result.soft.clear();
   data_.result.points.clear();
+  data_.result.diagnostics = {};
 }
 
 }  // namespace hp

@@ -36,8 +36,9 @@ class Stepper {
   // After model and shapes are filled in. `person_roots`: the root body of every person.
   void finish(const std::vector<int>& person_roots);
 
-  // The pose to start from; people must be at their targets and start at rest. Objects keep qvel.
-  void reset(const double* qpos, const double* qvel);
+  // The pose to start from; people must be at their targets and start at rest. Objects keep qvel. With
+  // `stand` people who are to have weight stand on what is near under them; without, all are as they are.
+  void reset(const double* qpos, const double* qvel, bool stand = true);
   // One frame of length dt [s] in n substeps. `targets`: the people's qpos, one after the other.
   // With `poses`, the pose after every substep is appended to it.
   void frame(const double* targets, double dt, int n, std::vector<double>* poses = nullptr);

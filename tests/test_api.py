@@ -116,7 +116,7 @@ PARAMETERS = {
     "metrics.penetrating_volume": "motion body scene * objects pitch",
     "metrics.contact_precision": "result * margin",
     "metrics.contact_forces": "result",
-    "metrics.airborne": "motion body",
+    "metrics.airborne": "motion body gravity",
     "metrics.floating": "motion body scene * objects reference tolerance",
     "metrics.physdiff": "motion body * ground",
     "metrics.unsupported_weight": "result person",

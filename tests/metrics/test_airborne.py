@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from halfphysics.body.body import Body
-from halfphysics.metrics.airborne import GRAVITY, airborne, centre_of_mass, smoothed
+from halfphysics.metrics.airborne import (
+    GRAVITY,
+    airborne,
+    centre_of_mass,
+    free_fall,
+    smoothed,
+)
+from halfphysics.scene.scene import Scene
 from support.people import t_pose
 
 
@@ -84,3 +91,15 @@ def test_the_low_pass_has_no_phase_and_keeps_lines():
     assert np.abs(smoothed(slow, 100.0) - slow)[30:-30].max() < 0.01
     assert np.abs(smoothed(np.sin(2 * np.pi * 30 * t), 100.0))[30:-30].max() < 0.01
     assert smoothed(slow, 10.0) is slow  # the cutoff is above what the rate can show
+
+
+def test_a_jump_on_the_moon_falls_as_the_moon_has_it():
+    gravity, flight = 1.62, 2.0
+    t = np.arange(180) / 60.0 - 0.5
+    z = np.where((t > 0) & (t < flight), 0.5 * gravity * t * (flight - t), 0.0)
+    motion = t_pose(np.stack([0 * t, 0 * t, z], axis=1), 60.0)
+    assert not airborne(motion, Body.default()).any()
+    scene = Scene(gravity=gravity)
+    found = airborne(motion, Body.default(), free_fall(scene))
+    assert found[(t > 0.1) & (t < flight - 0.1)].all()
+    assert free_fall(Scene(gravity=0.0)) == free_fall(None) == GRAVITY

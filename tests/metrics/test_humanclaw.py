@@ -8,6 +8,9 @@ import pytest
 import halfphysics as hp
 from halfphysics.errors import InputError
 from halfphysics.metrics.humanclaw import motion_jerk, report
+from halfphysics.results.contacts import Contacts
+from halfphysics.results.object_track import ObjectTrack
+from halfphysics.results.result import PersonResult
 from support.live_frames import BODY, t_pose
 
 
@@ -95,3 +98,47 @@ def test_what_was_moved_through_another_counts(pushed):
 def test_steps_that_are_none_are_said(pushed, starts):
     with pytest.raises(InputError, match="step_starts"):
         report(pushed, step_starts=starts)
+
+
+def test_what_goes_its_own_way_disturbs_nothing():
+    """A belt that a person touches carries a cup along: neither is the person's doing."""
+    frames = 31
+    scene = hp.Scene()
+    scene.add_static("floor", hp.Plane())
+    path = np.zeros((frames, 3))
+    path[:, 0], path[:, 2] = np.arange(frames) / 30.0, 0.1
+    upright = np.tile([1.0, 0.0, 0.0, 0.0], (frames, 1))
+    scene.add_moving("belt", hp.Box((4.0, 4.0, 0.2)), path, upright, fps=30.0)
+    scene.add_object("cup", hp.Sphere(0.05), mass=0.2, position=(1.0, 0.0, 0.25))
+    names = ("floor", *scene.objects, "person")
+    belt, cup = names.index("belt"), names.index("cup")
+    motion = moved(path)
+    carried = {
+        "belt": ObjectTrack(position=path, quaternion=upright),
+        "cup": ObjectTrack(position=np.add(path, (1.0, 0.0, 0.15)), quaternion=upright),
+    }
+    contacts = Contacts(
+        frame=np.array([1, 2]),
+        person=np.array([0, -1]),
+        part=np.array([10, -1]),
+        other=np.array([belt, belt]),
+        position=np.zeros((2, 3)),
+        normal=np.tile([0.0, 0.0, 1.0], (2, 1)),
+        impulse=np.tile([0.0, 0.0, 1.0], (2, 1)),
+        subject=np.array([-1, cup]),
+        other_part=np.array([-1, -1]),
+    )
+    person = PersonResult(name="person", motion=motion, reference=motion, body=BODY)
+    result = hp.Result(
+        people=(person,),
+        objects={name: carried[name] for name in scene.objects},
+        scene=scene,
+        names=names,
+        contacts=contacts,
+        clearance=np.zeros(frames),
+        lost_time=np.zeros(frames),
+        settings=hp.Settings(),
+    )
+    found = report(result)
+    assert found.disturbed == 0
+    assert np.isnan(found.disturbance)

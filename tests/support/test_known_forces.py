@@ -11,6 +11,7 @@ import halfphysics as hp
 from halfphysics.base import rotations as rot
 from halfphysics.support.known_forces import givers_of
 from support import standing
+from support.people import t_pose
 
 G = 9.81
 
@@ -111,3 +112,37 @@ def test_a_person_of_no_result_has_no_support(holding):
     alone = dataclasses.replace(holding.people[0], body=holding.people[0].body, surroundings=None)
     with pytest.raises(hp.errors.InputError, match="no result that it is of"):
         _ = alone.support
+
+
+def test_a_touch_long_before_a_jump_takes_no_flight_away(body):
+    """The filter leaves traces of any force everywhere: none of them holds a jumper up."""
+    fps, frames, off, speed = 30.0, 75, 1.6, 2.0
+    since = np.arange(frames) / fps - off
+    height = np.clip(speed * since - 0.5 * G * since**2, 0.0, None) * (since > 0.0)
+    stand = t_pose(np.zeros((frames, 3)), fps).grounded(body)
+    motion = hp.Motion(stand.translation + np.outer(height, (0.0, 0.0, 1.0)), stand.rotations, fps)
+    found = []
+    for touched in (False, True):
+        scene = hp.Scene()
+        scene.add_static("floor", hp.Plane())
+        if touched:
+            scene.add_object(
+                "ball", hp.Sphere(0.1), mass=0.4, position=(0.8, -0.4, 1.25), velocity=(-4, 0, 0)
+            )
+        result = hp.simulate(motion, scene, body=body)
+        if touched:
+            ball = result.names.index("ball")
+            felt = result.contacts.frame[result.contacts.other == ball]
+            assert len(felt)
+            assert felt.max() < off * fps - 20
+        found.append(result.people[0].support)
+    alone, hit = found
+    assert alone.airborne.sum() > 10
+    np.testing.assert_array_equal(hit.airborne, alone.airborne)
+    late = slice(int(off * fps) - 10, None)
+    np.testing.assert_allclose(hit.residual_percent[late], alone.residual_percent[late], atol=0.1)
+    # Where the ball neither touches nor carries it has no centre of pressure.
+    cop = np.isfinite(hit.surface("ball")[1]).all(axis=1)
+    cop[hit.pressure.frame[hit.pressure.surface == hit.names.index("ball")]] = False
+    assert cop.any()
+    assert np.abs(np.flatnonzero(cop)[:, None] - felt).min(axis=1).max() <= 5

@@ -63,6 +63,7 @@ class Body(InNotebook, ReadOnly):
             basis of all data that must not depend on the shape.
         mean_joints: Joints of the mean shape [m], shape (55, 3), or None.
         given_mass: Mass of the whole person [kg] that was asked for; None: by volume.
+        given_stature: Height [m] that was asked for, to which the shape was scaled; None: as it is.
         given_bones: Bones that were asked for, shape (55, 3) [m], NaN where nothing was; None:
             the model's own.
     """
@@ -82,6 +83,7 @@ class Body(InNotebook, ReadOnly):
     mean_vertices: Array | None = None
     mean_joints: Array | None = None
     given_mass: float | None = None
+    given_stature: float | None = None
     given_bones: Array | None = None
 
     def __post_init__(self) -> None:
@@ -139,6 +141,7 @@ class Body(InNotebook, ReadOnly):
             rest_vertices=body.rest_vertices * factor,
             rest_joints=body.rest_joints * factor,
             posedirs=None if body.posedirs is None else body.posedirs * factor,
+            given_stature=height,
         )
 
     @classmethod

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from halfphysics.base import rotations as rot
 from halfphysics.metrics.argument_checks import Array
 
-#: Acceleration of free fall [m/s^2].
+#: Acceleration of free fall on earth [m/s^2].
 GRAVITY = 9.81
 #: Frequency above which accelerations of the centre of mass are noise [Hz], as in gait analysis
 #: (Winter 2009, section 3.4.4).
@@ -19,7 +19,8 @@ CUTOFF = 6.0
 #: the filter turns the step from standing to flight into a slope whose middle this is.
 FALLING = 0.5
 #: The lowest skin rests where it is slower than this [m/s] on average over this time [s], before
-#: and after. At the top of a jump the mean over 0.1 s is 0.49 m/s.
+#: and after. At the top of a jump the mean over 0.1 s is 0.49 m/s; where gravity is another, in
+#: proportion.
 SLOW, REST = 0.25, 0.1
 #: Skin within this of the lowest vertex is the lowest skin [m].
 LOWEST = 0.01
@@ -36,7 +37,13 @@ def centre_of_mass(motion: Any, body: Any) -> Array:
     return whole
 
 
-def airborne(motion: Any, body: Any) -> NDArray[np.bool_]:
+def free_fall(scene: Any) -> float:
+    """Acceleration of free fall in a scene [m/s^2]; without gravity, or a scene, the earth's."""
+    size = GRAVITY if scene is None else float(np.linalg.norm(scene.gravity))
+    return size if size > 0.0 else GRAVITY
+
+
+def airborne(motion: Any, body: Any, gravity: float = GRAVITY) -> NDArray[np.bool_]:
     """Frames (T,) in which a motion is in the air by itself: in a jump, between steps of a run.
 
     Its centre of mass, low-passed at 6 Hz without a phase, accelerates down by more than half of
@@ -49,6 +56,7 @@ def airborne(motion: Any, body: Any) -> NDArray[np.bool_]:
     Args:
         motion: T frames; too few to accelerate (under 4) are not airborne.
         body: The body whose masses and skin count.
+        gravity: Acceleration of free fall, down z [m/s^2].
     """
     frames = len(motion)
     found = np.zeros(frames, dtype=bool)
@@ -57,9 +65,9 @@ def airborne(motion: Any, body: Any) -> NDArray[np.bool_]:
     fps = float(motion.fps)
     height = smoothed(centre_of_mass(motion, body)[:, 2], fps)
     rises = np.gradient(np.gradient(height)) * fps**2
-    count = max(1, round(REST * fps))
-    for t in np.flatnonzero(rises < -FALLING * GRAVITY).tolist():
-        found[t] = max(_speeds(motion, body, t, count)) >= SLOW
+    count, slow = max(1, round(REST * fps)), SLOW * gravity / GRAVITY
+    for t in np.flatnonzero(rises < -FALLING * gravity).tolist():
+        found[t] = max(_speeds(motion, body, t, count)) >= slow
     # The filter takes the ends of a flight: it goes on while it falls at all and its skin moves.
     for step in (-1, 1):
         for t in np.flatnonzero(found & ~np.roll(found, -step)).tolist():
@@ -67,7 +75,7 @@ def airborne(motion: Any, body: Any) -> NDArray[np.bool_]:
                 if (
                     not 0 <= end < frames
                     or rises[end] >= 0.0
-                    or min(_speeds(motion, body, end, 1)) < SLOW
+                    or min(_speeds(motion, body, end, 1)) < slow
                 ):
                     break
                 found[end] = True

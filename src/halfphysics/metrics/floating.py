@@ -13,7 +13,7 @@ from halfphysics.base import validation
 from halfphysics.base.short_repr import short_repr
 from halfphysics.base.validation import number, shown
 from halfphysics.errors import InputError
-from halfphysics.metrics.airborne import airborne
+from halfphysics.metrics.airborne import airborne, free_fall
 from halfphysics.metrics.argument_checks import Array, check_motion
 from halfphysics.metrics.skating import foot_skate
 from halfphysics.metrics.skins import batches, frames_of, skin
@@ -96,7 +96,7 @@ def floating(
         )
     every = np.zeros(len(body.vertices(motion, slice(0, 1))[0]), dtype=np.intp)
     found = carrying_gaps(motion, body, scene, every, objects=objects, reach=MOST, visible=True)
-    return floating_from(found.whole, airborne(reference, body), tolerance)
+    return floating_from(found.whole, airborne(reference, body, free_fall(scene)), tolerance)
 
 
 def floating_from(

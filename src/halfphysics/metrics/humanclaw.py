@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_NAMES
+from halfphysics.scene.trajectories import KinematicObject
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -164,14 +165,21 @@ def _disturbed(result: Result) -> tuple[list[float], int]:
         if track[:, 2].min() < track[0, 2] - ESCAPED:
             escaped += 1
             continue
-        paths.append(float(np.linalg.norm(np.diff(track[frame:], axis=0), axis=1).sum()))
+        # Contacts of a frame are those since the one before it.
+        moved = track[max(frame - 1, 0) :]
+        paths.append(float(np.linalg.norm(np.diff(moved, axis=0), axis=1).sum()))
     return paths, escaped
 
 
 def _affected(result: Result) -> dict[str, int]:
-    """Object -> the frame from which on the person moves it, directly or through another."""
+    """Object -> the frame from which on the person moves it, directly or through another.
+
+    What moves along a trajectory is moved by nobody, and passes nothing on.
+    """
     contacts = result.contacts
-    moving = {i: name for i, name in enumerate(result.names) if name in result.scene.objects}
+    things = result.scene.objects
+    free = {name for name, item in things.items() if not isinstance(item, KinematicObject)}
+    moving = {i: name for i, name in enumerate(result.names) if name in free}
     since: dict[int, int] = {}
     for frame in np.unique(contacts.frame).tolist():
         rows = np.flatnonzero(contacts.frame == frame)

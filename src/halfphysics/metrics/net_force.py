@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from halfphysics.base.short_repr import short_repr
-from halfphysics.metrics.airborne import GRAVITY
+from halfphysics.metrics.airborne import free_fall
 from halfphysics.metrics.argument_checks import Array, check_result
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def net_force(result: Result, person: int = 0) -> NetForceReport:
     rows = (contacts.person == person) & (contacts.other != own)
     force = np.zeros((len(result), 3))
     np.add.at(force, contacts.frame[rows], contacts.impulse[rows] * result.fps)
-    weight = GRAVITY * float(result.people[person].body.variant.mass)
+    weight = free_fall(result.scene) * float(result.people[person].body.variant.mass)
     return net_force_from(force, result.fps, weight)
 
 

@@ -35,7 +35,7 @@ class PartReport(ReadOnly):
             (`Result.inside`): the distance to the exit.
         nearest: Index into `Result.names` of the static at `clearance`, -1 where that is inf.
         contact: Whether the part carried an impulse during (t-1, t], from static geometry, an
-            object or another person.
+            object, another person or another part of its own.
         force: Sum of the sizes of its contacts' impulses in that time, over its length [N].
         displacement: Distance of its joint from where it was recorded [m].
         rotation: Angle between the joint's rotation, in its parent's frame, and the recorded

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
 from halfphysics.base.short_repr import short_repr
-from halfphysics.metrics.airborne import airborne
+from halfphysics.metrics.airborne import airborne, free_fall
 from halfphysics.metrics.argument_checks import Array, check_result
 from halfphysics.metrics.asked import asked_motion
 from halfphysics.metrics.surface_gaps import Gaps, carrying_gaps
@@ -143,7 +143,7 @@ def stance_slide(result: Result, person: int = 0) -> StanceReport:
         )
         for motion in (asked_motion(subject), subject.motion)
     )
-    in_air = airborne(asked_motion(subject), subject.body)
+    in_air = airborne(asked_motion(subject), subject.body, free_fall(scene))
     return stance_from(subject, patch, (asked, got), objects, in_air)
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from halfphysics.errors import HalfPhysicsError
-from halfphysics.metrics.airborne import airborne
+from halfphysics.metrics.airborne import airborne, free_fall
 from halfphysics.metrics.asked import asked_motion
 from halfphysics.metrics.floating import MOST, FloatReport, floating_from
 from halfphysics.metrics.net_force import net_force
@@ -53,7 +53,7 @@ def standing(result: Result, index: int) -> list[str]:
 
 def _floats(result: Result, person: PersonResult) -> list[str]:
     reference = asked_motion(person)
-    in_air = airborne(reference, person.body)
+    in_air = airborne(reference, person.body, free_fall(result.scene))
     step = max(1, -(-len(result) // SAMPLED))
     tracks = {
         name: ObjectTrack(position=track.position[::step], quaternion=track.quaternion[::step])
@@ -93,7 +93,7 @@ def _carried(result: Result, index: int) -> list[str]:
         return []
     return [
         f"held up by nothing in {weight.percent:.0f} % of the frames, by "
-        f"{weight.missing.max():.0f} % of the weight at most"
+        f"{weight.missing[weight.unsupported].max():.0f} % of the weight at most"
     ]
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.short_repr import short_repr
-from halfphysics.metrics.airborne import airborne
+from halfphysics.metrics.airborne import airborne, free_fall
 from halfphysics.metrics.argument_checks import Array, check_result
 from halfphysics.metrics.asked import asked_motion
 from halfphysics.support.support import UNSUPPORTED
@@ -53,7 +53,8 @@ def unsupported_weight(result: Result, person: int = 0) -> UnsupportedReport:
     result._check_person(person)
     subject = result.people[person]
     missing = np.maximum(np.nan_to_num(subject.support.residual_percent), 0.0)
-    return unsupported_from(missing, airborne(asked_motion(subject), subject.body))
+    in_air = airborne(asked_motion(subject), subject.body, free_fall(result.scene))
+    return unsupported_from(missing, in_air)
 
 
 def unsupported_from(missing: Array, in_air: NDArray[np.bool_]) -> UnsupportedReport:

@@ -20,7 +20,9 @@ Array = NDArray[np.float64]
 class Contacts(Table):
     """Contacts of a result: columns of one length n, ordered by frame.
 
-    A row is one pair that touched during (t-1, t]. If two people touch, each has a row.
+    A row is one pair of shapes that touched during (t-1, t], in one direction: a part or an object
+    may have several shapes, and where normals differ by over 18 degrees a pair has a row for each
+    direction. If two people touch, each has a row.
 
     Attributes:
         frame: The frame t (n,).

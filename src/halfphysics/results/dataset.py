@@ -3,7 +3,8 @@
 Dimensions: time, person, joint, object, contact, inside, breach, pressed (samples under pressure,
 where something is soft), and of vectors xyz, of quaternions
 wxyz; substep where they were recorded, vertex where it is asked for. Rotations are axis-angle [rad]
-as in `Motion.rotations`. Nothing is lost: numbers are those of the result, indices are names.
+as in `Motion.rotations`. Numbers are those of the result, indices are names; what motions
+say of holds and stiffness is not in it.
 """
 
 from __future__ import annotations

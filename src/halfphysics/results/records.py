@@ -114,6 +114,7 @@ class BodyRecord:
                 "gender": body.gender,
                 "betas": body.betas.tolist(),
                 "stature": body.stature,
+                "given_stature": body.given_stature,
                 "mass": body.given_mass,
                 "bones": _bones_document(body),
                 "source": _source(body.source),
@@ -141,6 +142,8 @@ class BodyRecord:
             if bones is not None:
                 rows = [[np.nan] * 3 if row is None else row for row in bones]
                 return Body.default(betas, mass=mass, bones=rows)
+            if self.data.get("given_stature") is not None:  # to the last bit
+                return Body.default(betas, stature=self.data["given_stature"], mass=mass)
             body = Body.default(betas, mass=mass)
             same = abs(body.stature - stature) < _SAME_STATURE
             return body if same else Body.default(betas, stature=stature, mass=mass)

@@ -70,7 +70,7 @@ class Result(InNotebook, ReadOnly):
         scene: The simulated scene. In a result from a file it is loaded on first access; items
             whose mesh file is missing are left out, with a warning.
         names: Names to which `contacts` refers: statics, objects, people, in this order.
-        contacts: The contacts, one row per pair and frame.
+        contacts: The contacts, in every frame by pair of shapes and direction.
         clearance: Minimum distance of the people from the statics in every frame (T,) [m]; inf
             beyond `Settings.clearance_range`, negative: penetration.
         lost_time: Time by which blocked steps were shortened, per frame (T,) [s].
@@ -295,8 +295,9 @@ class Result(InNotebook, ReadOnly):
         """The result as a dataset with named dimensions, coordinates and units.
 
         Dimensions are time, person, joint, object, contact, inside, breach, xyz and wxyz; substep
-        where they were recorded. Nothing is lost: the numbers are the result's, and indices of
-        contacts are names. docs/python.md lists the variables.
+        where they were recorded. The numbers are the result's, and indices of contacts are
+        names; what motions say of holds and stiffness is not in it. docs/python.md lists the
+        variables.
 
         Args:
             joints: With `joint_position` (person, time, joint, xyz) [m].

@@ -30,8 +30,10 @@ SHORTEST = 3
 def low_pass(values: Array, fps: float, cutoff: float | None) -> Array:
     """Samples (n, ...) without what is faster than `cutoff` [Hz], undelayed; None: as they are.
 
-    Beyond both ends the samples are continued by their own, turned by 180 degrees about the end
-    point. Samples at under twice the cut-off hold nothing faster: they come back as they are.
+    The straight line from the first sample to the last one passes as it is: few samples, such as
+    those of a short flight, are too short for a filter to find a slope in. Beyond both ends what is
+    left is continued by its own, turned by 180 degrees about the end point. Samples at under twice
+    the cut-off hold nothing faster: they come back as they are.
     """
     nyquist = 0.5 * fps
     if cutoff is None or len(values) < 2 or TWICE * cutoff >= nyquist:
@@ -41,11 +43,12 @@ def low_pass(values: Array, fps: float, cutoff: float | None) -> Array:
     sections = butter(ORDER, TWICE * cutoff / nyquist, output="sos")
     pad = min(len(values) - 1, int(np.ceil(PADDING * fps)))
     flat = values.reshape(len(values), -1)
-    result: Array = np.zeros_like(flat)
+    share = np.linspace(0.0, 1.0, len(values))[:, None]
+    result: Array = (1.0 - share) * flat[0] + share * flat[-1]
     moving = np.flatnonzero((flat != flat[0]).any(axis=0))
-    result[:] = flat[0]
     if len(moving):
-        result[:, moving] = sosfiltfilt(sections, flat[:, moving], axis=0, padlen=pad)
+        rest = flat[:, moving] - result[:, moving]
+        result[:, moving] += sosfiltfilt(sections, rest, axis=0, padlen=pad)
     return result.reshape(values.shape)
 
 
@@ -78,7 +81,7 @@ def rates(
         np.empty((count, *steps.shape[1:])),
         np.empty((count, *steps.shape[1:])),
     )
-    for first, end, inner in _segments(count, flights):
+    for first, end, inner in segments(count, flights):
         # Steps beside what is between flights belong to it: they are partly of its own.
         low, high = (first, end - 1) if inner else (max(first - 1, 0), min(end, count - 1))
         between = _extended(low_pass(steps[low:high] * fps, fps, cutoff))
@@ -88,7 +91,7 @@ def rates(
     return velocity, acceleration
 
 
-def _segments(count: int, flights: Sequence[tuple[int, int]]) -> list[tuple[int, int, bool]]:
+def segments(count: int, flights: Sequence[tuple[int, int]]) -> list[tuple[int, int, bool]]:
     """First frame, end, and whether it is a flight, of what `count` frames are divided into."""
     found, at = [], 0
     for first, end in flights:

@@ -13,12 +13,13 @@ from halfphysics.base.validation import number
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.results.contacts import Contacts
 from halfphysics.results.surroundings import Surroundings
+from halfphysics.support.flight import runs
 from halfphysics.support.inverse_dynamics import (
     dynamics,
     joint_power,
     joint_torques,
 )
-from halfphysics.support.known_forces import givers_of, known_wrenches
+from halfphysics.support.known_forces import givers_of, known_wrenches, touched_frames
 from halfphysics.support.patches import Patches, find_patches
 from halfphysics.support.support import Pressure, Support, sums
 from halfphysics.support.surfaces import Surface, surfaces_of
@@ -91,10 +92,11 @@ def support_of(
     names = tuple(name for i, name in enumerate(around.names) if i != me)
     contacts = Contacts.none() if around.contacts is None else around.contacts
     givers = givers_of(scene, around.names, me)
-    external, sides = known_wrenches(contacts, around.person, givers, count, motion.fps, cutoff)
     surfaces = surfaces_of(scene, around.tracks, around.names, around.contacts, count)
     places = find_patches(body, motion, surfaces)
-    found = dynamics(body, motion, gravity, cutoff, _carried(places, count, sides))
+    mine = contacts, around.person, givers, count
+    found = dynamics(body, motion, gravity, cutoff, _carried(places, touched_frames(*mine)))
+    external, sides = known_wrenches(*mine, motion.fps, cutoff, runs(found.airborne))
     pelvis = found.joints[:, 0]
     external[..., 3:] -= np.cross(pelvis[:, None], external[..., :3])
     required = found.wrench.sum(axis=1) - external.sum(axis=1)
@@ -145,11 +147,11 @@ def _start(scene: Scene, name: str) -> Any:
     raise KeyError(name)
 
 
-def _carried(places: Patches, frames: int, sides: Array) -> NDArray[np.bool_]:
-    """Frames (T,) in which something could carry, or acts."""
-    near = np.zeros(frames, dtype=bool)
+def _carried(places: Patches, touched: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Frames (T,) in which something could carry, or acts (`touched`)."""
+    near = np.zeros(len(touched), dtype=bool)
     near[places.frame[places.ready > CARRIES]] = True
-    return near | sides.any(axis=(1, 2))
+    return near | touched
 
 
 def _pressure(

@@ -75,7 +75,8 @@ class Support(ReadOnly):
         names: What can act on the person, S names: statics, objects, links, other people.
         force: Force of each of them (T, S, 3) [N]. Of things that move freely and of people it
             holds their contact impulses; of what is fixed it is found here.
-        cop: Centre of pressure of each (T, S, 3) [m]; nan where it exerts no force.
+        cop: Centre of pressure of each (T, S, 3) [m]; nan where it exerts no force, or the force
+            is but a trace that the filter leaves before and after contact impulses.
         pressure: Forces on vertices of the skin, found here (those of contact impulses are in
             `Result.contacts`).
         torque: Torque in each joint (T, 55, 3) [N m], with gravity and inertia, in the frame of
@@ -153,10 +154,10 @@ class Support(ReadOnly):
     @property
     def unsupported(self) -> Mask:
         """Frames (T,) in which the person is held up by nothing: not airborne, and of the upward
-        force over 5 % of the weight is residual.
+        force over 5 % of the weight is residual. Without gravity nobody is held up.
         """
         upward = self.residual[:, :3] @ self.up
-        return ~self.airborne & (upward > UNSUPPORTED * max(self.weight, 1e-9))
+        return ~self.airborne & (self.weight > 0.0) & (upward > UNSUPPORTED * self.weight)
 
     @property
     def unsupported_percent(self) -> float:

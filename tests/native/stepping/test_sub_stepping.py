@@ -199,6 +199,17 @@ def test_parts_that_a_budget_leaves_out_are_lost_time_and_said():
     assert (lost <= 1.0 / 30.0 + 1e-12).all()
 
 
+def add_heap(scene, corner, **options):
+    """18 flush boxes of 1, 10 and 100 kg that fall at 3 m/s, from `corner` on."""
+    for i in range(18):
+        layer, row, column = i // 9, i % 9 // 3, i % 3
+        place = np.add(corner, (0.2 * column, 0.2 * row, 0.201 * layer))
+        scene.add_object(
+            f"box{i}", Box((0.2, 0.2, 0.2)), mass=10.0 ** (i % 3), position=place,
+            velocity=(0.0, 0.0, -3.0), **options,
+        )  # fmt: skip
+
+
 def test_who_lost_time_by_it_does_not_arrive_behind_a_wall(body):
     """A heap that jams and a ball that spins end the budget of somebody who comes to a wall,
     touching nothing."""
@@ -207,13 +218,7 @@ def test_who_lost_time_by_it_does_not_arrive_behind_a_wall(body):
     scene.add_static("floor", Plane(), position=(0.0, 0.0, -3.0))
     for side in (-0.35, 0.35):
         scene.add_static(f"side{side}", Box((0.1, 2.0, 1.0)), position=(10.0 + side, 0.0, -2.5))
-    for i in range(18):
-        layer, row, column = i // 9, i % 9 // 3, i % 3
-        place = (9.8 + 0.2 * column, 0.2 * row - 0.2, -2.895 + 0.201 * layer)
-        scene.add_object(
-            f"box{i}", Box((0.2, 0.2, 0.2)), mass=10.0 ** (i % 3), position=place,
-            velocity=(0.0, 0.0, -3.0),
-        )  # fmt: skip
+    add_heap(scene, (9.8, -0.2, -2.895))
     scene.add_object("ball", Sphere(0.03), mass=0.05, position=(5.0, 0.0, 0.0),
                      angular_velocity=(0.0, 0.0, 300.0))  # fmt: skip
     motion = t_pose(0.1 * np.arange(5)[:, None] * [1.0, 0.0, 0.0])
@@ -233,12 +238,7 @@ def test_what_no_time_is_left_for_gains_no_speed(restitution):
     """Flush boxes of 1, 10 and 100 kg that fall on the floor end their budget frame after frame."""
     scene = Scene()
     scene.add_static("floor", Plane(), restitution=restitution)
-    for i in range(18):
-        layer, row, column = i // 9, i % 9 // 3, i % 3
-        scene.add_object(
-            f"box{i}", Box((0.2, 0.2, 0.2)), mass=10.0 ** (i % 3), restitution=restitution,
-            position=(0.2 * column, 0.2 * row, 0.105 + 0.201 * layer), velocity=(0.0, 0.0, -3.0),
-        )  # fmt: skip
+    add_heap(scene, (0.0, 0.0, 0.105), restitution=restitution)
     simulator = Simulator(scene, body=[], settings=Settings(), fps=30.0)
     simulator.reset([])
     lost, speed = [], []

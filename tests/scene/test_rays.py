@@ -183,3 +183,23 @@ def test_names_that_are_wrong():
         scene.ray((0, 0, 1), (0, 0, -1), ignore="floor")
     with pytest.raises(InputError, match="reset"):
         Simulator(scene, body=[]).ray((0, 0, 1), (0, 0, -1))
+
+
+CHEST = """<mujoco><worldbody><geom name="case" type="box" size=".1 .3 .3"/>
+<body name="drawer" pos="0 0 1"><joint name="rail" type="slide" axis="1 0 0" range="-1 1"/>
+<geom type="box" pos="0.1 0 0" size=".1 .2 .1" mass="2"/></body></worldbody></mujoco>"""
+
+
+def test_links_are_hit_where_they_are():
+    scene = Scene(gravity=0.0)
+    scene.add_articulated("chest", CHEST, position=(2, 0, 0), joints={"rail": -0.25})
+    low, high = scene.ray((0, 0, 0), (1, 0, 0)), scene.ray((0, 0, 1), (1, 0, 0))
+    assert (low.name, high.name) == ("chest/world", "chest/drawer")
+    assert low.distance == pytest.approx(1.9, abs=EXACT)
+    assert high.distance == pytest.approx(2.0 - 0.25, abs=EXACT)
+    assert scene.ray((0, 0, 1), (1, 0, 0), ignore=["chest/drawer"]) is None
+    simulator = Simulator(scene, body=[])
+    simulator.reset([])
+    found = simulator.ray((0, 0, 1), (1, 0, 0))
+    assert (found.name, found.distance) == ("chest/drawer", pytest.approx(1.75, abs=1e-9))
+    assert simulator.ray((0, 0, 1), (1, 0, 0), ignore=["chest/drawer"]) is None

@@ -8,7 +8,7 @@ from scipy.optimize import fsolve
 
 import halfphysics as hp
 from halfphysics.base import rotations as rot
-from halfphysics.geometry.shapes import Box, Cylinder, Plane, Sphere
+from halfphysics.geometry.shapes import Box, Cylinder, Mesh, Plane, Sphere
 from halfphysics.scene.scene import Scene
 from support.soft import closed_forms as forms
 from support.soft import winkler
@@ -187,3 +187,31 @@ def test_foam_carries_alike_on_the_floor_and_under_the_thing(material, mass):
     np.testing.assert_allclose(thing.height, under.height, atol=ALIKE)
     assert thing.height.max() <= 0.2
     np.testing.assert_allclose(thing.positions[:, 0, :2], 0.0, atol=ALIKE)
+
+
+@pytest.mark.parametrize("bed", ["plane", "box", "mesh"])
+def test_a_wedge_whose_middle_is_beside_it_is_carried(bed):
+    """The middle of the box around its corners is below the slanted face that it lies on: within
+    the hard frame, and no point of it."""
+    corners = 0.4 * np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
+    wedge = Mesh(corners, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]))
+    axis = np.cross(np.ones(3), (0.0, 0.0, -1.0)) / np.sqrt(2.0)
+    turn = rot.exp(np.arccos(-1.0 / np.sqrt(3.0)) * axis)
+    scene, layer = Scene(), hp.Soft(thickness=0.08, stiffness=2e5)
+    block = Box((2.0, 2.0, 0.5))
+    if bed == "plane":
+        scene.add_static("bed", Plane(), soft=layer)
+    else:
+        shape = block if bed == "box" else Mesh(*block.triangles())
+        scene.add_static("bed", shape, position=(0, 0, -0.25), soft=layer)
+    place = -rot.rotate(turn, wedge.centre)
+    place[2] = 0.005 - rot.rotate(turn, corners)[:, 2].min()
+    scene.add_object("wedge", wedge, mass=MASS, position=place, quaternion=turn)
+    simulator = hp.Simulator(scene, body=[], fps=30.0)
+    simulator.reset([])
+    for _ in range(40):
+        frame = simulator.step([])
+    at, turned = frame.objects["wedge"]
+    lowest = (rot.rotate(turned, corners) + at)[:, 2].min()
+    area = 0.5 * np.sqrt(3.0) * 0.4**2
+    assert lowest == pytest.approx(-WEIGHT / (2e5 * area), rel=0.1)

@@ -104,3 +104,21 @@ def test_arguments_of_another_kind(tmp_path, motion):
     motion.save(tmp_path / "o.npz")
     with pytest.raises(InputError, match="path: expected the path of a file"):
         hp.load_sequence(tmp_path / "o.npz", assets=3)
+
+
+def test_what_moves_along_a_trajectory_moves_in_files_too():
+    """A sequence that was not simulated: its lift rises in whatever is written of it."""
+    from halfphysics.simulation.sequence import Sequence
+    from halfphysics.viewer.motions import _track
+    from halfphysics.writers.take import take_of
+
+    motion = hp.Motion(*movement(31), 30.0)
+    scene = hp.Scene()
+    path = np.outer(np.linspace(0.0, 2.0, 16), (0.0, 0.0, 1.0))
+    scene.add_moving("lift", hp.Box((1.0, 1.0, 0.1)), path, fps=15.0)
+    sequence = Sequence(motion, scene)
+    (lift,) = (prop for prop in take_of(sequence).props if prop.name == "lift")
+    rise = np.linspace(0.0, 2.0, 31)
+    np.testing.assert_allclose(lift.position[:, 2], rise, atol=1e-12)
+    shown = _track("lift", scene, sequence, 31)
+    np.testing.assert_allclose(shown.position[:, 2], rise, atol=1e-12)

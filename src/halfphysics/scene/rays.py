@@ -17,11 +17,13 @@ from halfphysics.errors import InputError
 from halfphysics.geometry.mesh import Mesh
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Sphere
 from halfphysics.motion.skeleton import JOINT_NAMES
+from halfphysics.scene.articulated import start_poses
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
     from halfphysics.geometry.shape_base import Shape
     from halfphysics.motion.pose import Pose
+    from halfphysics.scene.articulated import Link
     from halfphysics.scene.items import Object, Static
     from halfphysics.scene.scene import Scene
 
@@ -71,6 +73,12 @@ class Ray:
         if found is not None:
             self._keep(name, found[0], turn @ found[1], None)
 
+    def meet_link(self, name: str, link: Link, position: Array, quaternion: Array) -> None:
+        """Keep the hit of a link of an articulated object if it is the nearest."""
+        for geom in link.geoms:
+            place = position + rot.rotate(quaternion, geom.position)
+            self.meet(name, geom.shape, place, rot.multiply(quaternion, geom.quaternion))
+
     def meet_person(self, name: str, body: Body, pose: Pose) -> None:
         """Keep the hit of a person's skin if it is the nearest."""
         vertices = body.vertices(pose)
@@ -114,11 +122,17 @@ def scene_ray(
 ) -> Hit | None:
     """The work behind `Scene.ray`."""
     ray = Ray(origin, direction)
-    skipped = checked_names(ignore, (*scene.statics, *scene.objects))
+    links = [name for item in scene.articulated.values() for name in item.link_names]
+    skipped = checked_names(ignore, (*scene.statics, *scene.objects, *links))
     items: list[Static | Object] = [*scene.statics.values(), *scene.objects.values()]
     for item in items:
         if item.name not in skipped:
             ray.meet(item.name, item.shape, item.position, item.quaternion)
+    for jointed in scene.articulated.values():
+        places = zip(jointed.link_names, jointed.links, start_poses(jointed), strict=True)
+        for name, link, place in places:
+            if name not in skipped:
+                ray.meet_link(name, link, *place)
     return ray.hit
 
 

@@ -335,9 +335,9 @@ class Scene(InNotebook, ReadOnly):
     ) -> Hit | None:
         """First hit of a ray from `origin` (3,) [m] along `direction` (3,); None: no hit.
 
-        Statics and objects (at their start poses) are hit at the surfaces that collide; a ray that
-        starts inside a solid hits its surface from inside. `ignore`: names of items to pass
-        through. `Simulator.ray` does the same in a running simulation, with its people.
+        Statics, objects and links (at their start poses) are hit at the surfaces that collide; a
+        ray that starts inside a solid hits its surface from inside. `ignore`: names of items to
+        pass through. `Simulator.ray` does the same in a running simulation, with its people.
 
         Raises:
             InputError: No vector, a direction of no length, an unknown name.

@@ -96,6 +96,12 @@ def ray(
     for place in world.objects:
         if place.name not in skipped:
             cast.meet(place.name, world.made_of.objects[place.name].shape, *place.pose(qpos))
+    links = {}
+    for jointed in world.made_of.articulated.values():
+        links.update(zip(jointed.link_names, jointed.links, strict=True))
+    for place in world.links:
+        if place.name not in skipped:
+            cast.meet_link(place.name, links[place.name], *place.pose(qpos))
     for person, its in zip(world.people, axes, strict=True):
         if person.name not in skipped:
             cast.meet_person(person.name, person.body, Pose.trusted(*person.pose(qpos, its), its))

@@ -321,8 +321,8 @@ class Simulator(InNotebook):
     ) -> Hit | None:
         """What a ray from `origin` (3,) [m] along `direction` (3,) meets first now; None: nothing.
 
-        Like `Scene.ray`, with the objects where they are and the people's skin. `ignore`: names to
-        pass through, as in `names`.
+        Like `Scene.ray`, with objects and links where they are and the people's skin. `ignore`:
+        names to pass through, as in `names`.
 
         Raises:
             InputError: Before `reset`, no vector, a direction of no length, an unknown name.

@@ -119,12 +119,16 @@ def _untouched(sequence: Sequence) -> Result:
 
 
 def _track(name: str, scene: Scene, sequence: Sequence, frames: int) -> ObjectTrack:
-    """The recorded poses of an object, or its pose in the scene for all frames."""
+    """The recorded poses of an object, those of its trajectory, or its pose in the scene."""
     from halfphysics.results.result import ObjectTrack
+    from halfphysics.scene.trajectories import KinematicObject
 
     if name in sequence.recorded:
         return sequence.recorded[name]
     item = scene.objects[name]
+    if isinstance(item, KinematicObject):
+        position, quaternion = item.at(np.arange(frames) / sequence.motions[0].fps)
+        return ObjectTrack(position=position, quaternion=quaternion)
     return ObjectTrack(
         position=np.tile(np.asarray(item.position, dtype=np.float64), (frames, 1)),
         quaternion=np.tile(np.asarray(item.quaternion, dtype=np.float64), (frames, 1)),

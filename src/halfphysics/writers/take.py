@@ -125,7 +125,8 @@ def take_of(what: Exportable, body: Body | None = None, *, fps: float | None = N
         )
         sequence = what if isinstance(what, Sequence) else Sequence(what, Scene())
         scene, joints = sequence.scene, {}
-        props = _props(scene, sequence.recorded, _middle(actors), {})
+        tracks = {**_own_ways(scene, motions[0]), **sequence.recorded}
+        props = _props(scene, tracks, _middle(actors), {})
     else:
         raise InputError(f"export: expected a Result, a Sequence or a Motion, found {shown(what)}")
     first = actors[0].motion
@@ -133,6 +134,17 @@ def take_of(what: Exportable, body: Body | None = None, *, fps: float | None = N
         actors=actors, props=props, fps=first.fps, frames=len(first), scene=scene, joints=joints
     )
     return take if fps is None else resampled(take, fps)
+
+
+def _own_ways(scene: Scene, motion: Motion) -> dict[str, ObjectTrack]:
+    """Where things are that move along trajectories, at the frames of a motion."""
+    from halfphysics.results.object_track import ObjectTrack
+    from halfphysics.scene.trajectories import KinematicObject
+
+    times = np.arange(len(motion)) / motion.fps
+    moving = {n: item for n, item in scene.objects.items() if isinstance(item, KinematicObject)}
+    ways = {name: item.at(times) for name, item in moving.items()}
+    return {name: ObjectTrack(position=x, quaternion=q) for name, (x, q) in ways.items()}
 
 
 def _middle(actors: tuple[Actor, ...]) -> Array:

@@ -51,6 +51,7 @@ void Articulations::finish(const Model& m, const std::vector<char>& others) {
   joints.upper.resize(m.njnt, 0.0);
   joints.effort.assign(m.njnt, std::numeric_limits<double>::infinity());
   joints.rate.assign(m.njnt, 0.0);
+  driven_.assign(m.njnt, 0.0);
   joints.motors.clear(), balanced_.assign(m.nbody, 0);
   bodies_.clear(), dofs_.clear(), joints_.clear(), ends_.clear(), end_joint_.clear();
   std::vector<char> moves(m.nbody, 0);
@@ -101,6 +102,26 @@ void Articulations::set_rests(const Model& m, const double* rests, const double*
   }
 }
 
+// What the spring of a hinge or slide exerts on a joint that stands.
+double Articulations::asked(const Model& m, int joint, const double* qpos) const {
+  const int q = m.jnt_qpos[joint];
+  return -joints.stiffness[joint] * (qpos[q] - joints.spring[q]) +
+         joints.damping[m.jnt_dof[joint]] * joints.rate[joint];
+}
+
+void Articulations::find_efforts(const Model& m, const std::vector<char>& active,
+                                 const Inertia& own, const double* qpos, const double* qvel,
+                                 double h) {
+  for (int j : joints.motors) {
+    if (!active[m.jnt_body[j]]) continue;
+    const int d = m.jnt_dof[j];
+    const double K = joints.stiffness[j], D = joints.damping[d], inertia = own.diagonal(d);
+    const double force =
+        (asked(m, j, qpos) - (D + h * K) * qvel[d]) * inertia / (inertia + h * D + h * h * K);
+    driven_[j] = std::fabs(force) > joints.effort[j] ? std::copysign(joints.effort[j], force) : 0;
+  }
+}
+
 bool Articulations::any(const Model& m, const std::vector<char>& active) const {
   for (int d : dofs_)
     if (active[m.dof_body[d]]) return true;
@@ -112,7 +133,8 @@ void Articulations::added_inertia(const Model& m, const std::vector<char>& activ
   for (int j : joints_) {
     if (!active[m.jnt_body[j]]) continue;
     const int count = m.jnt_type[j] == Joint::Free ? 6 : m.jnt_type[j] == Joint::Ball ? 3 : 1;
-    for (int d = m.jnt_dof[j]; d < m.jnt_dof[j] + count; d++)
+    const bool driven = driven_[j] != 0;
+    for (int d = m.jnt_dof[j]; d < m.jnt_dof[j] + count && !driven; d++)
       extra[d] = h * joints.damping[d] + (count < 6 ? h * h * joints.stiffness[j] : 0.0);
   }
 }
@@ -146,12 +168,10 @@ void Articulations::impulse(const Model& m, const Kinematics& k, const std::vect
         break;
       }
       default: {
-        const double D = joints.damping[d], most = joints.effort[j];
-        const double pull = -K * (qpos[q] - joints.spring[q]) + D * joints.rate[j];
-        if (std::fabs(pull - D * qvel[d]) <= most)
-          act(0, pull);
+        if (driven_[j] == 0)
+          act(0, asked(m, j, qpos));
         else  // at its effort a motor does not feel how far it is off
-          out[d] = h * (-bias_[d] + std::copysign(most, pull - D * qvel[d]));
+          out[d] = h * (driven_[j] - bias_[d]);
       }
     }
   }

@@ -8,14 +8,16 @@
 // objects"). A limit of a joint is a contact without friction that moves with one dof.
 //
 // A motor is a spring of a hinge or slide whose rest r moves as it is told, with a damping D against the
-// rest's own velocity: it exerts K (r - q) + D (dr/dt - v), and its effort at most. Trees with motors
+// rest's own velocity: it exerts F = K (r - q) + D (dr/dt - v), and its effort at most. What it would exert at
+// the end of a step, by the inertia that its joint has alone, decides: over its effort it exerts that, whatever
+// the joint does meanwhile, and nothing of K and D joins the inertia. Trees with motors
 // bear their own weight, as robots' controllers have it: no gravity in c.
 #pragma once
 #include <algorithm>
 #include <vector>
 
 #include "contact/solver.h"
-#include "dynamics/kinematic_tree.h"
+#include "dynamics/inertia.h"
 
 namespace hp {
 
@@ -49,6 +51,9 @@ class Articulations {
                   const std::vector<double>& effort);
   // Where the springs of the motors rest from now on [rad or m], and how fast that moves.
   void set_rests(const Model& m, const double* rests, const double* rates);
+  // A step of length h begins: which motors are at their effort. `own`: M of the pose (its diagonal).
+  void find_efforts(const Model& m, const std::vector<char>& active, const Inertia& own,
+                    const double* qpos, const double* qvel, double h);
   // Is any of them active?
   bool any(const Model& m, const std::vector<char>& active) const;
   const std::vector<int>& dofs() const { return dofs_; }
@@ -69,8 +74,11 @@ class Articulations {
   double fastest(const Model& m, const std::vector<char>& active, const double* qvel) const;
 
  private:
+  double asked(const Model& m, int joint, const double* qpos) const;
+
   std::vector<int> bodies_, dofs_, joints_;
-  std::vector<Contact> ends_;  // two per joint that has ends: the lower first
+  std::vector<double> driven_;  // per joint: what a motor at its effort exerts; 0: it is not there
+  std::vector<Contact> ends_;   // two per joint that has ends: the lower first
   std::vector<int> end_joint_;
   std::vector<char> balanced_;  // per body: its tree has motors
   std::vector<int> moving_, moving_balanced_;

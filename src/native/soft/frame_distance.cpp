@@ -60,6 +60,14 @@ bool FrameDistance::nearest_on_hull(Vec3 x, double within, FramePoint& out) cons
   return true;
 }
 
+bool FrameDistance::holds(Vec3 x) const {
+  if (!hull_ || !box_->is) return false;
+  const Vec3 y = way_.to * x + way_.shift;
+  bool in = true;
+  for (int i = 0; i < 3; i++) in &= std::fabs(y[i]) <= box_->half[i] + tune::kNoDistance;
+  return in;
+}
+
 // In the box's axes.
 bool FrameDistance::nearest_on_box(Vec3 x, double within, FramePoint& out) const {
   const double radius = hull_->hull->radius;

@@ -26,6 +26,8 @@ class FrameDistance {
   // The nearest point of the frame to x, if it is within `within`; else false. `triangle`: a guess
   // that saves time, or -1.
   bool nearest(Vec3 x, double within, int triangle, FramePoint& out) const;
+  // Is x within a frame that is a box? Then `nearest` does not know it, however far `within` reaches.
+  bool holds(Vec3 x) const;
   // Of planes and boxes, all samples at once: the same, by their hard points.
   bool knows_many() const { return plane_ || (hull_ && box_->is); }
   void measure_many(double within, NearSamples& near) const;

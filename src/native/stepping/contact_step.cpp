@@ -15,6 +15,7 @@ void ContactStep::run(double h) {
   for (int query = 0; query < tune::kMostQueries; query++) {
     find_candidates(h);
     data_.step.v = data_.step.v_free;
+    data_.step.braced.clear();
     settle(h);
     if (!data_.attempt.contacts.empty()) rebound(h);
     ranges_.end(system_, data_);
@@ -259,7 +260,7 @@ void ContactStep::correct_prediction(Contact& c, double h) {
 
 // A second solve of islands where contacts rebound: they are as far as it has come.
 void ContactStep::rebound(double h) {
-  if (!rebounds_.demand(system_, data_, h)) return;
+  if (!rebounds_.demand(system_, data_)) return;
   for (int pass = 1; pass <= tune::kMostReboundPasses; pass++) {
     solve(h);
     rebounds_.bound_energy(system_, data_, [&] { solve(h); });

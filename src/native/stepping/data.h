@@ -36,7 +36,10 @@ struct Step {
   std::vector<double> spin;        // what qvel at the end differs from v by, of objects that spin
   std::vector<double> joint_pull;  // change of articulated dofs' velocity by forces
   std::vector<double> load;        // change of v_free by people who stand on things; empty: none
-  std::vector<char> pushed;        // per body: contacts have pushed it, or a body that hangs on it
+  // Per dof: what joints that self-contact does not move hold against it (self_response.h) [N s, N m s];
+  // empty: there is none.
+  std::vector<double> braced;
+  std::vector<char> pushed;  // per body: contacts have pushed it, or a body that hangs on it
   JointResistance resistance;
   int index = 0;     // of the whole substep in its frame
   bool last = true;  // it is the last one of its frame

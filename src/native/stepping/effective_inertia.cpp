@@ -86,7 +86,8 @@ void EffectiveInertia::multiply(const System& system, const Drive& d, const doub
   }
   for (const Model::Tree& tree : m.trees)
     if (tree.first == root) inertia_.multiply(m, tree, x, out);
-  Product& p = products_[next_product_++ % kProducts];
+  Product& p = products_[next_product_];
+  next_product_ = (next_product_ + 1) % kProducts;
   p.root = root;
   p.x.assign(x + first, x + first + count);
   p.Mx.assign(out + first, out + first + count);

@@ -51,6 +51,10 @@ void IslandResponse::solve_island(const System& system, Data& data, int island, 
   IslandProgress& progress = data.attempt.islands[island];
   const bool whole = std::count(island_.begin(), island_.end(), island) == (long)all.size();
   SolveReport r;
+  const Model& m = system.model;
+  std::vector<double>& braced = data.step.braced;
+  for (size_t i = 0; i < braced.size(); i++)
+    if (data.islands.of_tree(m.root[m.dof_body[i]]) == island) braced[i] = 0;
   if (whole) {
     r = respond(system, data, all, progress.tolerance, mass, h, data.step.v);
   } else {
@@ -61,7 +65,6 @@ void IslandResponse::solve_island(const System& system, Data& data, int island, 
     r = respond(system, data, own_, progress.tolerance, mass, h, v_);
     for (size_t i = 0, next = 0; i < all.size(); i++)
       if (island_[i] == island) all[i].impulse = own_[next++].impulse;
-    const Model& m = system.model;
     for (int i = 0; i < m.nv; i++)
       if (data.islands.of_tree(m.root[m.dof_body[i]]) == island) data.step.v[i] = v_[i];
   }
@@ -80,6 +83,7 @@ SolveReport IslandResponse::respond(const System& system, Data& data,
     size_t next = 0;
     for (Contact& c : contacts)
       if (self_.is_own(system, data.attempt, c)) c.impulse = self_.own()[next++].impulse;
+    self_.brace(system, data, data.step.braced);
     if (next == contacts.size()) {
       v = self_.velocity();
       SolveReport r;

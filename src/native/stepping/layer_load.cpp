@@ -21,7 +21,8 @@ bool soft(const CollisionWorld& world, const Touch& t) {
 
 double layer_fall(const System& system, const Drive& d, double h) {
   if (!d.footing.on()) return 0;
-  return h * d.footing.layers.share() * norm(system.gravity) / d.scale(system.drive_settings, h);
+  return d.footing.sinks() * h * d.footing.layers.share() * norm(system.gravity) /
+         d.scale(system.drive_settings, h);
 }
 
 void add_layer_load(System& system, Data& data, double h) {
@@ -30,7 +31,7 @@ void add_layer_load(System& system, Data& data, double h) {
     if (!system.active(d) || !d.footing.on() || !d.footing.layers.carry()) continue;
     balance_on_layers(system, data, d, h);
     d.footing.layers.advance(h);
-    const double fall = d.footing.sinks() * layer_fall(system, d, h);
+    const double fall = layer_fall(system, d, h);
     const int up = d.first_dof() + 2;
     step.v_free[up] -= fall;
     if (step.load.empty()) step.load.assign(system.model.nv, 0);

@@ -8,7 +8,7 @@ namespace hp {
 
 namespace tune = tuning::stepping;
 
-bool Rebounds::demand(const System& system, Data& data, double h) {
+bool Rebounds::demand(const System& system, Data& data) {
   const Model& model = system.model;
   const Kinematics& kin = data.state.pose.kin;
   const Step& step = data.step;
@@ -40,7 +40,7 @@ bool Rebounds::demand(const System& system, Data& data, double h) {
     const double turned = approach(model, kin, c, spun_, step.spin);
     const double pull =
         std::max(0.0, arriving - turned - approach(model, kin, c, free_, step.v_free));
-    const double height = 2 * pull * std::max(0.0, c.dist - c.target) / h;
+    const double height = time > 0 ? 2 * pull * std::max(0.0, c.dist - c.target) / time : 0;
     const double met = arriving - 0.5 * pull;
     const double back = c.restitution * c.restitution * (met * met + height) - height;
     c.rebound = std::sqrt(std::max(0.0, back));

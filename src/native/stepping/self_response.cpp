@@ -128,9 +128,27 @@ void add_impulse(const Model& model, const Kinematics& kin, const Contact& c,
 
 }  // namespace
 
-const std::vector<double>& SelfResponse::without_own(const System& system, const Data& data) {
+void SelfResponse::find_impulse(const System& system, const Data& data) {
   impulse_.assign(system.model.nv, 0.0);
   for (const Contact& c : own_) add_impulse(system.model, data.state.pose.kin, c, impulse_);
+}
+
+void SelfResponse::brace(const System& system, const Data& data, std::vector<double>& out) {
+  const int nv = system.model.nv;
+  find_impulse(system, data);
+  change_.resize(nv), momentum_.resize(nv), out.resize(nv, 0);
+  for (int i = 0; i < nv; i++) change_[i] = v_[i] - data.step.v_free[i];
+  const std::vector<double>&scale = data.inertia.scale(), &added = data.inertia.added();
+  for (const Drive& d : system.drives) {
+    if (!touches_[d.body(0)]) continue;
+    data.inertia.multiply(system, d, change_.data(), momentum_.data());
+    for (int i = d.first_dof(); i < d.first_dof() + d.dof_count(); i++)
+      out[i] = free_[i] ? 0 : scale[i] * (momentum_[i] + added[i] * change_[i]) - impulse_[i];
+  }
+}
+
+const std::vector<double>& SelfResponse::without_own(const System& system, const Data& data) {
+  find_impulse(system, data);
   data.inertia.solve(system.model, impulse_.data());
   for (int i = 0; i < system.model.nv; i++) v_[i] -= impulse_[i];
   return v_;

@@ -33,10 +33,14 @@ class SelfResponse {
   bool is_own(const System& system, const Attempt& attempt, const Contact& c) const;
   const std::vector<double>& velocity() const { return v_; }  // v'
   double friction() const { return friction_; }  // what solve() missed of friction's law [m/s]
-  // v' - M^^-1 J^T p: from where all contacts are solved together.
+  // After solve(): v' - M^^-1 J^T p, from where all contacts are solved together.
   const std::vector<double>& without_own(const System& system, const Data& data);
+  // After solve(): M^ (v' - v*) - J^T p, of the people who touch themselves, into their dofs of `out`:
+  // what the joints that do not move hold. Free joints hold nothing.
+  void brace(const System& system, const Data& data, std::vector<double>& out);
 
  private:
+  void find_impulse(const System& system, const Data& data);
   void find_own(const System& system, const Attempt& attempt, const std::vector<Contact>& contacts);
   void make_room(const Model& m, int a, int b, bool whole);
   std::vector<double> resistance(const System& system, const Data& data) const;
@@ -48,7 +52,8 @@ class SelfResponse {
   std::vector<char> touches_;  // per body: of people in contact with themselves
   std::vector<double> v_;      // v'
   double friction_ = 0;
-  std::vector<double> impulse_;  // J^T p
+  std::vector<double> impulse_;            // J^T p
+  std::vector<double> change_, momentum_;  // v' - v*, and M of it
   std::vector<Twist> twists_;
 };
 

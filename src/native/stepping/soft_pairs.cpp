@@ -34,8 +34,9 @@ double room(const System& system, Poses& start, const SoftPair& pair, double ran
   FramePoint p;
   const FrameDistance frame =
       FrameDistance::of_static(system.world, system.soft, pair.other_static);
-  return (frame.nearest(a.center, range + a.radius, -1, p) ? p.distance : range + a.radius) -
-         a.radius;
+  if (frame.nearest(a.center, range + a.radius, -1, p)) return p.distance - a.radius;
+  // A middle within a box, of a hull that it is no point of.
+  return frame.holds(a.center) ? -a.radius : range;
 }
 
 // A person's skin presses by its samples: hulls that have none of them are pressed by nothing, as their

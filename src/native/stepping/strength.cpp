@@ -142,6 +142,7 @@ bool StrengthLimits::exertion(const System& system, Data& data, size_t person,
   if (in_pieces_[person]) {
     if (touched) resist(system, data, person, h);
     for (int i = first; i < end; i++) exerted_[i] = kept_[i] - (touched ? change_[i] : 0);
+    if (touched) add_braced(d, data.step);
     return true;
   }
   d.deviation_change(v.data(), change_.data());
@@ -164,7 +165,13 @@ bool StrengthLimits::exertion(const System& system, Data& data, size_t person,
   if (overcome) added(system, data, d, h, pushed_.data(), change_.data());
   for (int i = first; i < end; i++)
     exerted_[i] -= overcome ? change_[i] : s * data.inertia.added()[i] * pushed_[i];
+  add_braced(d, data.step);
   return true;
+}
+
+void StrengthLimits::add_braced(const Drive& d, const Step& step) {
+  if (step.braced.empty()) return;
+  for (int i = d.first_dof(); i < d.first_dof() + d.dof_count(); i++) exerted_[i] += step.braced[i];
 }
 
 // Reduces theta of `count` dofs whose drive exerts more than `most`; true if it does.

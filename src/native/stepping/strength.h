@@ -6,6 +6,8 @@
 //
 //   h tau = M (e - e_before) - M^ (v - v*)        (+ h load of held objects, held_load.h)
 //
+// Self-contact moves the limbs that touch alone (self_response.h): what the other joints hold against it,
+// step.braced, is no force of theirs on the world and is added.
 // The weight that rests on layers (layer_load.h) is in v* and none of it. It is zero in free motion,
 // and balances the contacts in a static hold. With limits tau_max the drive
 //   1. pulls the deviation back by at most D with M^_jj |D_j| <= h tau_max,j (limit());
@@ -47,6 +49,7 @@ class StrengthLimits {
   bool exertion(const System& system, Data& data, size_t person, const std::vector<double>& v,
                 double h);
   void resist(const System& system, Data& data, size_t person, double h);
+  void add_braced(const Drive& d, const Step& step);
   bool less(int at, int count, double most, JointResistance& resistance) const;
   bool share_out(const System& system, Data& data, size_t person, double h);
   void added(const System& system, const Data& data, const Drive& d, double h, const double* x,

@@ -59,6 +59,12 @@ void Substep::begin(double h) {
   probe.trace.overcome.clear();
   // Twists need the dofs' axes.
   state.pose.kin.update_dofs(model, state.qpos.data(), world.active.data());
+  Articulations& objects = system_.articulations;
+  if (!objects.joints.motors.empty()) {
+    data_.inertia.compose(system_, state);
+    objects.find_efforts(model, world.active, data_.inertia.inertia(), state.qpos.data(),
+                         state.qvel.data(), h);
+  }
   kinematic_.gain_pace();
   world.parting.update(state.pose);
 }

@@ -208,3 +208,24 @@ def test_bombs_are_refused_before_they_unpack(tmp_path):
         entry.file_size = npz.MAX_BYTES + 1  # the directory says so
     with pytest.raises(FileError, match="unpacks to"):
         Motion.load(path)
+
+
+def test_joints_that_a_file_had_no_field_for_are_written_whole(tmp_path):
+    """Split fields without `poses` and without hands: a bent finger is not lost without a word."""
+    content = fields()
+    content = {k: v for k, v in content.items() if k not in ("poses", "pose_hand", "pose_eye")}
+    motion = Motion.load(write(tmp_path / "a.npz", content))
+    rotations = np.array(motion.rotations)
+    rotations[:, 30, 2] = 0.4
+    motion.with_frames(motion.translation, rotations).save(tmp_path / "b.npz")
+    again = Motion.load(tmp_path / "b.npz")
+    np.testing.assert_allclose(again.rotations, rotations, atol=1e-12)
+
+
+def test_a_part_of_a_file_says_how_long_it_is(tmp_path):
+    whole = write(tmp_path / "a.npz", fields(frames=60))
+    Motion.load(whole, frames=(0, 30)).save(tmp_path / "part.npz")
+    Motion.load(whole).save(tmp_path / "whole.npz")
+    with np.load(tmp_path / "part.npz") as part, np.load(tmp_path / "whole.npz") as all_of_it:
+        assert part["mocap_time_length"] == pytest.approx(30 / 120.0)
+        assert all_of_it["mocap_time_length"] == 60 / 120.0

@@ -50,7 +50,7 @@ def test_metres_axes_and_joints(tmp_path):
     assert (motion.fps, motion.model, motion.gender, motion.betas) == (
         60.0,
         "smpl",
-        "neutral",
+        "male",
         None,
     )
     # The body as the file has it, turned as a whole: on the vertices.
@@ -113,5 +113,6 @@ def test_what_it_cannot_hold_is_said(tmp_path):
         "the fingers",
         "jaw and eyes",
         "the shape (betas)",
+        "the gender 'neutral': readers take male",
         "the frame rate 30: readers take 60; say motion.resample(60)",
     ]

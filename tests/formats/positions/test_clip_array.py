@@ -42,3 +42,13 @@ def test_no_array(tmp_path):
     path.write_text("{}")
     with pytest.raises(FileError, match="no array"):
         clip_of(Source(path), Options(), 3)
+
+
+def test_clips_of_nothing_are_refused_before_they_are_counted(tmp_path):
+    path = tmp_path / "a.npy"
+    head = np.lib.format
+    with path.open("wb") as file:
+        shape = (10**10, 0, 22, 3)
+        head.write_array_header_1_0(file, {"descr": "<f4", "fortran_order": False, "shape": shape})
+    with pytest.raises(FileError, match="expected frames"):
+        clip_names(Source(path), 3)

@@ -479,3 +479,19 @@ def test_nothing_hostile_is_run(tmp_path):
     path.write_bytes(pickled({"people": {1: {"smplx_world": Boom(mark)}}}))
     refused(path, "unsafe or unknown content")
     assert not mark.exists()
+
+
+def test_frames_are_in_the_order_of_their_numbers(tmp_path):
+    """As ffmpeg names them: frame10 comes after frame2."""
+    rows = [row for row in files.romp_rows([person("3", np.arange(14), 1, 22)]) if row]
+    for number, row in enumerate(rows):
+        row["cam_trans"] = np.array([[0.01 * number, 0.2, 3.0]])
+        row.pop("track_ids")
+    named = {f"frame{number}.png": row for number, row in enumerate(rows)}
+    path = files.objects(tmp_path / "video_results.npz", {"results": named})
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", HalfPhysicsWarning)
+        motion = hp.Motion.load(path)
+    along = motion.translation - motion.translation[0]
+    assert len(motion) > 10
+    np.testing.assert_allclose(np.abs(along).max(axis=1), 0.01 * np.arange(len(motion)), atol=1e-3)

@@ -104,6 +104,33 @@ def test_a_motor_exerts_its_effort_at_most():
     assert side.states[0, 1] == pytest.approx(6.0 * 0.5 / 4.0, rel=1e-3)
 
 
+@pytest.mark.parametrize("substeps", [4, 8, 80])
+@pytest.mark.parametrize(
+    ("mass", "stiffness", "damping", "effort"), [(36.0, 4000, 900, 120.0), (0.1, 1500, 60, 25.0)]
+)
+def test_a_motor_at_its_effort_exerts_all_of_it(mass, stiffness, damping, effort, substeps):
+    """However stiff and damped it is: v = F t / m, of a base and of a finger."""
+    joint = f'<joint type="slide" axis="1 0 0" stiffness="{stiffness}" damping="{damping}"/>'
+    body = f'<body>{joint}<geom size=".1" mass="{mass}"/></body>'
+    side = Side(f"<mujoco><worldbody>{body}</worldbody></mujoco>", effort=effort)
+    side.frame([[100.0]], 1 / 30, substeps)
+    assert side.states[0, 1] == pytest.approx(effort / 30 / mass, rel=1e-9)
+
+
+def test_a_light_motor_of_great_effort_comes_to_rest_where_it_is_told():
+    """What it would exert at a step's end decides: its effort throws it beyond in no step."""
+    joint = '<joint type="slide" axis="1 0 0" stiffness="1500" damping="60"/>'
+    body = f'<body>{joint}<geom size=".1" mass="0.1"/></body>'
+    side = Side(f"<mujoco><worldbody>{body}</worldbody></mujoco>", effort=25.0)
+    path = []
+    for _ in range(60):
+        side.frame([[0.05]], 1 / 30, 4)
+        path.append(side.states[0, 0])
+    assert max(path) < 0.0501
+    assert (np.diff(path) > -1e-12).all()
+    assert path[-1] == pytest.approx(0.05, abs=1e-6)
+
+
 def test_a_motor_follows_a_rest_that_moves():
     """Its damping is against the rest's velocity: no lag but that of the steps of the rest."""
     side = Side(ARM)

@@ -12,6 +12,10 @@ from halfphysics.motion.skeleton import JOINT_INDEX
 from support.as_it_is import as_it_is
 from support.held import HAND, holding, pointing
 from support.people import along_x, violent
+from support.self_touch import between, hand_on_face, relaxed
+
+#: What is left of torques in a hold that has just come to rest [N m].
+HELD = 0.05
 
 #: Relative rounding: a limit is met exactly.
 ROUNDING = 1e-6
@@ -134,3 +138,17 @@ def test_what_is_held_counts_on_impacts_too(body, mass):
     assert any(len(f.contacts.part) > 0 for f in frames)
     assert share.max() <= 1.0 + ROUNDING
     assert share.max() >= 0.9
+
+
+@pytest.mark.parametrize("substeps", [4, 8, 16])
+@pytest.mark.parametrize("strength", [None, "human"])
+def test_a_hand_on_the_face_loads_no_joint_below_the_shoulders(body, strength, substeps):
+    """The forces of self-contact sum to nothing: in a hold the trunk bears nothing of them."""
+    face = hand_on_face(body)
+    motion = between([relaxed(body), face, face], [12, 30])
+    settings = as_it_is(self_contact=True, strength=strength, substeps=substeps)
+    result = hp.simulate(motion, hp.Scene(), body=body, settings=settings)
+    torque = np.linalg.norm(result.people[0].torque[-2], axis=-1)
+    own = [JOINT_INDEX[name] for name in ("pelvis", "spine1", "spine2", "spine3", "left_hip")]
+    assert torque[JOINT_INDEX["neck"]] > 10.0
+    assert torque[own].max() < HELD

@@ -120,6 +120,8 @@ def _rotations(npz: Npz, width: int, frames: slice) -> tuple[Array, Array | None
         whole = Record(npz.path, npz).array(FULL_KEY, None, 3 * skeleton.N_JOINTS, frames=frames)
         whole = whole.reshape(-1, 55, 3)
         held = [joint for joint in COLUMNS[width] if joint >= 0]
+        if "poses" not in npz:
+            held = [joint for key, joints in SPLIT.items() if key in npz for joint in joints]
         if whole.shape == full.shape and np.array_equal(whole[:, held], full[:, held]):
             full = whole
         else:
@@ -261,7 +263,7 @@ def _file_metadata(
     constants: Fields = {}
     per_frame: Fields = {}
     dtypes, keys = {}, []
-    total = npz.header("trans")[0][0]
+    total = npz.header("trans")[0][0]  # of the file, whatever part of it is read
     for key in npz:
         shape, dtype = npz.header(key)
         if "/" in key or key == FULL_KEY or dtype.hasobject:
@@ -279,7 +281,7 @@ def _file_metadata(
                 constants[key] = npz[key]
     if rigid is not None:
         per_frame["_rigid_hands"] = rigid
-    fields = {"keys": tuple(keys), "dtypes": dtypes, "constants": constants, "frames": count}
+    fields = {"keys": tuple(keys), "dtypes": dtypes, "constants": constants, "total": total}
     return FileMetadata(format=format, fields=fields, per_frame=per_frame)
 
 
@@ -321,7 +323,7 @@ def encode(motion: Motion, format: str, width: int, fps_key: str) -> Fields:
     out["mocap_time_length"] = np.array(frames / motion.fps)
     if own:
         old = constants.get(fps_key)
-        if frames == said["frames"] and old is not None and float(old.flat[0]) == motion.fps:
+        if frames == said["total"] and old is not None and float(old.flat[0]) == motion.fps:
             for key in ("mocap_time_length", fps_key):
                 out[key] = constants.get(key, out[key])
         keys = {*said["keys"], "betas", "gender", fps_key}
@@ -332,7 +334,8 @@ def encode(motion: Motion, format: str, width: int, fps_key: str) -> Fields:
         out = {key: out[key] for key in (*order, *(k for k in out if k not in order))}
         out = {key: _exact(value, said["dtypes"].get(key)) for key, value in out.items()}
     beside = [joint for key, joints in SPLIT.items() if key in out for joint in joints]
-    lost = np.setdiff1d(np.arange(skeleton.N_JOINTS), [*columns, *beside])
+    kept = [*columns, *beside] if "poses" in out else beside
+    lost = np.setdiff1d(np.arange(skeleton.N_JOINTS), kept)
     if rotations[:, lost].any():
         out[FULL_KEY] = rotations.reshape(frames, -1)
     return out

@@ -163,9 +163,14 @@ class Hierarchy:
         self.channels.append(_channels(reader, where))
 
 
+#: A longer number is none of channels.
+_DIGITS = 3
+
+
 def _channels(reader: StatementReader, where: str) -> tuple[str, ...]:
     words = reader.next(f"the CHANNELS {where}")
-    if words[0].upper() != "CHANNELS" or len(words) < 2 or not words[1].isdecimal():
+    said = words[1] if len(words) > 1 else ""
+    if words[0].upper() != "CHANNELS" or not said.isdecimal() or len(said) > _DIGITS:
         raise reader.error(f"found {shown_words(words)}, expected CHANNELS, their number and names")
     found = [_CANON.get(word.lower()) for word in words[2:]]
     unknown = [word for word, name in zip(words[2:], found, strict=True) if name is None]
@@ -173,8 +178,8 @@ def _channels(reader: StatementReader, where: str) -> tuple[str, ...]:
         raise reader.error(
             f"found channel {unknown[0]!r} {where}, expected some of {', '.join(CHANNELS)}"
         )
-    if len(found) != int(words[1]):
-        raise reader.error(f"found {len(found)} channels {where}, expected the {words[1]} it says")
+    if len(found) != int(said):
+        raise reader.error(f"found {len(found)} channels {where}, expected the {said} it says")
     if len(set(found)) != len(found):
         raise reader.error(f"found {shown_words(words)} {where}, expected each channel once")
     return tuple(name for name in found if name is not None)

@@ -111,7 +111,7 @@ def _frames(path: Path, lines: list[str], motion: int, columns: int) -> tuple[fl
     rows = [(i, line) for i, line in enumerate(lines[motion + 1 :], motion + 1) if line.strip()]
     heads: list[tuple[int, str]] = []
     for pattern, example in (
-        (r"Frames\s*:\s*(\d+)", "Frames: 120"),
+        (r"Frames\s*:\s*(\d{1,12})", "Frames: 120"),
         (r"Frame\s*Time\s*:\s*(\S+)", "Frame Time: 0.0333333"),
     ):
         at, line = rows[len(heads)] if len(rows) > len(heads) else (len(lines) - 1, "")

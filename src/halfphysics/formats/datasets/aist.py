@@ -2,7 +2,8 @@
 
 The SMPL body is scaled by `smpl_scaling` (about 94: centimetres of a template in metres), so the
 translation in metres is `smpl_trans / smpl_scaling`. Files have no shape, gender or fingers: the
-body is the mean neutral SMPL body.
+body is the mean male SMPL body, which they were fitted with (google/aistplusplus_api,
+run_estimate_smpl.py).
 """
 
 from __future__ import annotations
@@ -33,6 +34,8 @@ FPS = 60.0
 #: Scaling written for motions of other formats: metres.
 SCALING = 1.0
 _RIGID_HANDS = "_rigid_hands"
+#: Of the SMPL body that all files were fitted with.
+_GENDER = "male"
 
 
 def _sniff(source: Source) -> bool:
@@ -59,7 +62,7 @@ def _load(source: Source, options: Options) -> Motion:
         fps=FPS,
         up="y",
         model="smpl",
-        gender="neutral",
+        gender=_GENDER,
         hands=None,
         fields={"scaling": scaling, "loss": loss},
         per_frame=per_frame,
@@ -86,8 +89,8 @@ def _loses(motion: Motion) -> tuple[str, ...]:
     lost = list(lost_joints(motion, skeleton.SMPL_JOINTS))
     if motion.betas is not None and motion.betas.any():
         lost.append("the shape (betas)")
-    if motion.gender != "neutral":
-        lost.append(f"the gender {motion.gender!r}: readers take neutral")
+    if motion.gender != _GENDER:
+        lost.append(f"the gender {motion.gender!r}: readers take {_GENDER}")
     lost += lost_rate(motion, FPS)
     return tuple(lost)
 

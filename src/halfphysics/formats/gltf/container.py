@@ -46,6 +46,7 @@ class Container:
         self.path = path
         self._binary: Bytes | None = None
         self._known: dict[int, Bytes] = {}
+        self._lists: dict[str, list[dict[str, Any]]] = {}  # those that have been looked at
         text = self._text()
         try:
             document = json.loads(text)
@@ -69,11 +70,14 @@ class Container:
 
     def entries(self, key: str) -> list[dict[str, Any]]:
         """A list of the file: nodes, skins, animations, ...; empty if it has none."""
+        if key in self._lists:
+            return self._lists[key]
         found = self.document.get(key, [])
         if not isinstance(found, list) or not all(isinstance(entry, dict) for entry in found):
             raise self.error(f"{key}: found {shown(found)}, expected a list of objects")
         if len(found) > _MOST_ENTRIES:
             raise self.error(f"{key}: found {len(found)}, expected at most {_MOST_ENTRIES}")
+        self._lists[key] = found
         return found
 
     def entry(self, key: str, index: Any) -> dict[str, Any]:

@@ -46,6 +46,8 @@ _TEXT, _MARK = b"{", b'"asset"'
 _NOT_OURS = ".mcs"
 #: A last frame this part of a frame after the last key is there: times are in single precision.
 _LAST = 0.02
+#: Frames beyond these cannot even be counted; how many are read is bounded by `check_poses`.
+_MOST_FRAMES = 10**15
 #: Bones that differ by less than this from the default body's are its own [m].
 _SAME_BONES = 1e-5
 
@@ -83,6 +85,11 @@ class _File:
         if rate is None:
             rate = options.fps or SAMPLED
             warn(f"{where}: its keys are at no even rate: read at {rate:g} fps (fps=)")
+        if not (stop - start) * rate < _MOST_FRAMES:
+            raise FileError(
+                f"{where}: found keys from {start:g} to {stop:g} s, expected fewer than "
+                f"{_MOST_FRAMES:,} frames"
+            )
         count = int(np.floor((stop - start) * rate + _LAST)) + 1
         kept = range(count)[options.frames]
         if len(kept) < 2:

@@ -17,6 +17,8 @@ def clip_names(source: Source, axes: int) -> list[str]:
     """Names of the clips of a file whose clips have so many axes."""
     shape = source.npy.shape if source.npy is not None else ()
     if len(shape) > axes and shape[0] != 1:
+        if 0 in shape[1:]:  # as many clips as a header likes to say, of nothing
+            raise FileError(f"{source.path}: found clips of shape {shape[1:]}, expected frames")
         return [str(k) for k in range(shape[0])]
     return [source.path.stem]
 

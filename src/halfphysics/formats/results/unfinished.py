@@ -94,7 +94,9 @@ def load_unfinished(path: Path) -> Result:
         parts = [Npz(path, payload) for payload in blocks[FRAMES]]
         scene = _merged([json.loads(block) for block in blocks[SCENE]])
         return _result(head, SceneRecord(scene, str(path)), parts)
-    except (InputError, KeyError, ValueError, TypeError) as error:
+    except (
+        AttributeError, IndexError, InputError, KeyError, RecursionError, TypeError, ValueError,
+    ) as error:  # fmt: skip
         raise FileError(f"{path}: an unfinished result that cannot be read: {error}") from None
 
 

@@ -60,7 +60,10 @@ def _people(source: Source) -> dict[str, Seen]:
         if not isinstance(body, dict):
             raise FileError(f"{where}: found {type(body).__name__}, expected an object")
         npz = Npz(where, _bytes(where, source.document, body))
-        rows = npz.header("bodyTranslation")[0][0] if "bodyTranslation" in npz else 0
+        shape = npz.header("bodyTranslation")[0] if "bodyTranslation" in npz else (0, 3)
+        if len(shape) != 2 or shape[1] != 3:
+            raise FileError(f"{where}: bodyTranslation: found shape {shape}, expected (T, 3)")
+        rows = shape[0]
         first = body.get("frame_presence", [0, rows])
         start = first[0] if isinstance(first, list) and first else None
         whole = isinstance(start, int) and not isinstance(start, bool)
@@ -79,7 +82,9 @@ def _bytes(where: str, document: dict[str, Any], body: dict[str, Any]) -> bytes:
         uri = document["buffers"][view["buffer"]]["uri"]
         start, size = int(view.get("byteOffset", 0)), int(view["byteLength"])
         head, _, text = uri.partition(_DATA)
-    except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
+    except (
+        AttributeError, IndexError, KeyError, OverflowError, TypeError, ValueError,
+    ) as error:  # fmt: skip
         raise FileError(
             f"{where}: its bytes are not found ({type(error).__name__}: {error}), expected "
             "bufferView, bufferViews and buffers with a base64 data URI"

@@ -15,6 +15,7 @@ import numpy as np
 
 from halfphysics.base import rotations as rot
 from halfphysics.base import stored_objects
+from halfphysics.base.natural_order import natural
 from halfphysics.errors import FileError
 from halfphysics.formats.estimates import CAMERA, FLOOR, Seen, estimated, seen, tracked
 from halfphysics.formats.format import Options, Source
@@ -39,7 +40,7 @@ def _sniff(source: Source) -> bool:
 
 def _people(source: Source) -> dict[str, Seen]:
     rows: dict[str, list[tuple[int, Any, Any]]] = {}
-    frames = sorted(source.data.items(), key=lambda item: str(item[0]))
+    frames = sorted(source.data.items(), key=lambda item: natural(str(item[0])))
     timed = all(isinstance(_of(f, "time"), int | np.integer) for _, f in frames)
     for number, (name, frame) in enumerate(frames):
         where = f"{source.path}: frame {name!r}"

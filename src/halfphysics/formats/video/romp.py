@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.atomic import atomic_write
+from halfphysics.base.natural_order import natural
 from halfphysics.base.npz_objects import NpzObjects
 from halfphysics.base.reader_warnings import warn
 from halfphysics.base.stored_objects import write_object_array
@@ -130,7 +131,8 @@ def _stacked(source: Source, track: Mapping[Any, Any], key: str) -> Any:
 
 def _by_order(source: Source, results: Mapping[Any, Any]) -> dict[str, Seen]:
     """People of files without tracks: by their order in each frame."""
-    frames = [results] if _POSE in results else [results[key] for key in sorted(results, key=str)]
+    named = sorted(results, key=lambda name: natural(str(name)))
+    frames = [results] if _POSE in results else [results[name] for name in named]
     rows: dict[str, list[tuple[int, dict[str, Any]]]] = {}
     for number, frame in enumerate(frames):
         if not isinstance(frame, Mapping) or not frame:

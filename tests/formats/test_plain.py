@@ -282,3 +282,17 @@ def test_hostile_and_broken_files(tmp_path):
     (tmp_path / "b.json").write_text("[1, 2, 3]")
     with warnings.catch_warnings(), pytest.raises(hp.HalfPhysicsError, match="no known motion"):
         hp.Motion.load(tmp_path / "b.json")
+
+
+def test_a_list_of_frames_may_say_its_rate_in_each(tmp_path):
+    frames = [
+        {"global_orient": np.zeros(3), "body_pose": np.zeros(63), "transl": [0, 0, 0.01 * k],
+         "fps": 25.0}
+        for k in range(6)
+    ]  # fmt: skip
+    path = tmp_path / "a.pkl"
+    path.write_bytes(pickle.dumps(frames))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", HalfPhysicsWarning)
+        motion = hp.Motion.load(path)
+    assert (len(motion), motion.fps) == (6, 25.0)

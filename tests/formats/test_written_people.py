@@ -15,10 +15,12 @@ import halfphysics as hp
 from halfphysics.base import torch_file
 from halfphysics.base.axes import axes_of
 from halfphysics.formats import FORMATS, Source, losses, save_people
+from halfphysics.formats.written_people import written as people_written
 from halfphysics.motion import skeleton
 from halfphysics.motion.file_metadata import FileMetadata
 from support.files import video_files as files
 from support.files.dumps import torch_dict
+from support.files.layouts import movement
 from support.files.video_files import two
 
 pytestmark = pytest.mark.filterwarnings("ignore::halfphysics.errors.HalfPhysicsWarning")
@@ -262,3 +264,12 @@ def test_what_such_a_file_cannot_hold_is_said(tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert losses(motion, tmp_path / "a.pkl", "prompthmr")[0] == "the gender 'female'"
+
+
+def test_a_slice_knows_where_in_its_video_it_begins():
+    origin = FileMetadata(format="wham", fields={"first": 100})
+    motion = hp.Motion(*movement(20), 30.0, origin=origin)
+    frames = people_written([motion[5:15]], "wham")["0"].frames
+    np.testing.assert_array_equal(frames, np.arange(105, 115))
+    assert motion[::2].origin.fields["first"] == 100
+    assert motion.origin.fields["first"] == 100

@@ -90,7 +90,7 @@ def motion_in(where: str, npz: Npz, options: Options) -> Motion:
         format=NAME,
         translation=translation,
         rotations=rotations_of({_PARTS[key]: part for key, part in parts.items()}),
-        fps=record.number("frameRate", above=0.0) if "frameRate" in record else None,
+        fps=_shortest(record.number("frameRate", above=0.0)) if "frameRate" in record else None,
         up="y",
         model="smplx",
         gender=_GENDERS[int(number)] if "gender" in record else None,
@@ -99,6 +99,12 @@ def motion_in(where: str, npz: Npz, options: Options) -> Motion:
         fields={"codec": record.number("codecVersion") if "codecVersion" in record else CODEC},
         per_frame=per_frame,
     )
+
+
+def _shortest(rate: float) -> float:
+    """A rate that is kept in single precision: the number of fewest digits that it stands for."""
+    single = np.float32(rate)
+    return float(str(single)) if float(single) == rate else rate
 
 
 def _save(motion: Motion, path: Path, body: Body | None) -> None:

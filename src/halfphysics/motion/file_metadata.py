@@ -30,10 +30,14 @@ class FileMetadata(ReadOnly):
 
     __repr__ = short_repr
 
-    def taken(self, rows: Any) -> FileMetadata:
-        """The same with the per-frame arrays indexed by `rows`."""
+    def taken(self, rows: slice, frames: int) -> FileMetadata:
+        """The same with the per-frame arrays indexed by `rows`, of so many frames; "first", the
+        number of the first one in its video, goes along."""
         per_frame = {key: value[rows] for key, value in self.per_frame.items()}
-        return FileMetadata(format=self.format, fields=self.fields, per_frame=per_frame)
+        fields = dict(self.fields)
+        if isinstance(fields.get("first"), int):
+            fields["first"] += rows.indices(frames)[0]
+        return FileMetadata(format=self.format, fields=fields, per_frame=per_frame)
 
     def sampled(self, position: Array) -> FileMetadata:
         """The same with the per-frame arrays at fractional frames `position` (T,)."""

@@ -163,7 +163,7 @@ class Motion(InNotebook, ReadOnly):
     def _taken(self, index: slice) -> Motion:
         """A slice; a step keeps real time."""
         step = 1 if index.step is None else abs(int(index.step))
-        metadata = None if self.origin is None else self.origin.taken(index)
+        metadata = None if self.origin is None else self.origin.taken(index, len(self))
         scale = None if self.stiffness_scale is None else self.stiffness_scale[index]
         return self._replaced(
             self.translation[index],

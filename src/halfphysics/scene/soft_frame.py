@@ -20,7 +20,7 @@ from halfphysics.geometry.shape_base import Array, Shape
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Sphere
 from halfphysics.geometry.subdivision import subdivided
 from halfphysics.geometry.surface_samples import surface_samples
-from halfphysics.scene.soft import Soft
+from halfphysics.scene.soft import LEAST_THICKNESS, Soft
 
 #: Faces of a mesh that is thin somewhere are cut to edges of this length [m], so that the frame is
 #: the same however coarse the mesh is; longer ones where that were more than `MOST_FACES`.
@@ -107,8 +107,13 @@ def fitting(what: str, shape: Shape, soft: Soft, named: bool) -> Soft:
     most = most_thickness(shape)
     if soft.thickness <= most:
         return soft
-    if named:
+    if named and most >= LEAST_THICKNESS:
         return soft.of_thickness(most)
+    if named:
+        raise InputError(
+            f"{what}: soft: {shape!r} is too thin for a layer: found room for {most:g} m, expected "
+            f"at least {LEAST_THICKNESS:g} m. Make the shape larger, or leave soft out"
+        )
     raise InputError(
         f"{what}: soft: thickness is {soft.thickness:g} m; expected at most {most:g} m, so that a "
         f"hard core of a tenth is left of {shape!r}. Make it thinner, or the shape larger (it may "

@@ -19,6 +19,7 @@ from halfphysics.simulation.build_world import build_world
 from halfphysics.simulation.coordinates import FreeObject
 
 if TYPE_CHECKING:
+    from halfphysics.scene.articulated import Link
     from halfphysics.scene.items import Object
     from halfphysics.scene.rays import Hit
     from halfphysics.scene.scene import Scene
@@ -96,12 +97,12 @@ def ray(
     for place in world.objects:
         if place.name not in skipped:
             cast.meet(place.name, world.made_of.objects[place.name].shape, *place.pose(qpos))
-    links = {}
+    links: dict[str, Link] = {}
     for jointed in world.made_of.articulated.values():
         links.update(zip(jointed.link_names, jointed.links, strict=True))
-    for place in world.links:
-        if place.name not in skipped:
-            cast.meet_link(place.name, links[place.name], *place.pose(qpos))
+    for link in world.links:
+        if link.name not in skipped:
+            cast.meet_link(link.name, links[link.name], *link.pose(qpos))
     for person, its in zip(world.people, axes, strict=True):
         if person.name not in skipped:
             cast.meet_person(person.name, person.body, Pose.trusted(*person.pose(qpos, its), its))

@@ -20,8 +20,8 @@
 // view of the answer, and join where they are violated; A then grows by their rows.
 //
 // Every island has a budget of contacts and of work (tuning.h, kMostJoined, kSolveWork). Where it ends
-// before the tolerance is reached, the report says so: the answer is then the best so far, and the
-// caller is to take a shorter step.
+// before the tolerance is reached, the report says so: the answer is then the best so far. Gaps are verified
+// afterwards, so that what is missing of them shortens the step; what is missing of friction is reported.
 #pragma once
 #include <cstdint>
 #include <memory>

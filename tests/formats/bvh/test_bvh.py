@@ -342,3 +342,13 @@ def test_a_thousand_frames_of_sixty_joints_load_at_once(shared_data):
     start = time.process_time()
     assert len(read(path)) == 1007
     assert time.process_time() - start < 0.6  # measured: 0.08 s
+
+
+@pytest.mark.parametrize("fps", [29.97, 59.94, 23.976, 30.0, 119.88, 12.5])
+def test_a_rate_of_few_digits_comes_back_as_it_was(tmp_path, fps):
+    motion = hp.Motion(*movement(4), fps)
+    for name in ("a.bvh", "a.smpl"):
+        motion.save(tmp_path / name, body=hp.Body.default())
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", HalfPhysicsWarning)
+            assert hp.Motion.load(tmp_path / name).fps == fps

@@ -186,8 +186,9 @@ def _no_number(path: Path, rows: list[tuple[int, str]]) -> FileError:
 def _rate(text: str) -> float | None:
     """Frames per second of a printed frame time; None: it is impossible.
 
-    A whole rate, or a television rate (30000 / 1001), that prints as `text` is taken: 0.0333333 is
-    30 frames per second, 0.008342 is 119.88.
+    A rate of few digits that is this exactly, else a whole or a television rate (30000 / 1001)
+    that prints as `text` is taken: 0.08 is 12.5 frames per second, 0.0333333 is 30, 0.008342 is
+    119.88.
     """
     try:
         seconds = one_number(text)
@@ -199,6 +200,9 @@ def _rate(text: str) -> float | None:
     digits = len(mantissa.partition(".")[2])
     slack = 0.5 * 10.0 ** (int(exponent or 0) - digits) + _SAME_RATE * seconds
     whole = round(1.0 / seconds)
+    short = round(1.0 / seconds, 6)
+    if short > 0 and abs(1.0 / short - seconds) < _SAME_RATE * seconds:
+        return short
     for rate in (whole, round(1.001 / seconds) / 1.001):
         if rate > 0 and abs(1.0 / rate - seconds) <= slack:
             return float(rate)

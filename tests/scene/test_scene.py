@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import pickle
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -276,3 +277,24 @@ def test_the_lines_of_a_scene_say_what_is_soft():
     mat, ball, _ = scene_lines(scene)
     assert mat.endswith(", soft for 100 mm")
     assert "soft for 30 mm at (0.00, 0.00, 0.00) m" in ball
+
+
+@pytest.mark.parametrize("kind", ["overlapping", "inside out", "hollow", "apart"])
+def test_parts_whose_mass_is_not_that_of_what_is_inside_are_warned_of(kind):
+    box = trimesh.creation.box((1.0, 1.0, 1.0))
+    size, away, turned = {
+        "overlapping": (1.0, 0.5, False),
+        "inside out": (0.9, 3.0, True),
+        "hollow": (0.5, 0.0, True),
+        "apart": (0.9, 3.0, False),
+    }[kind]
+    other = trimesh.creation.box((size, size, size))
+    other.apply_translation((away, 0.0, 0.0))
+    if turned:
+        other.invert()
+    mesh = trimesh.util.concatenate([box, other])
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        Scene().add_object("odd", mesh, density=100.0, pieces=[box])
+    odd = any("parts of the mesh overlap or are inside out" in str(one.message) for one in said)
+    assert odd == (kind in ("overlapping", "inside out"))

@@ -10,6 +10,7 @@ import halfphysics as hp
 from halfphysics.errors import InputError
 from halfphysics.geometry.mesh import Mesh
 from halfphysics.geometry.subdivision import subdivided
+from halfphysics.scene.soft import checked_soft
 from halfphysics.scene.soft_frame import fitting, most_thickness, soft_frame
 
 #: Frames of one solid that is meshed differently lie within this share of the thickness. Where a
@@ -122,3 +123,19 @@ def test_a_primitive_keeps_a_tenth_of_itself_hard(shape, most):
         thin = fitting("static 'x'", shape, layer(0.1), named=True)
         assert thin.thickness == pytest.approx(0.09)
         assert thin.thickness * thin.stiffness == pytest.approx(1e4)
+
+
+def test_a_thin_mesh_that_moves_has_the_layer_of_the_same_box():
+    """One thickness all over: what half of its surface has, so that nothing stands above it."""
+    box = trimesh.creation.box((0.5, 0.4, 0.1))
+    scene = hp.Scene()
+    moving = scene.add_moving("lift", box, [[0.0, 0.0, 0.0]], fps=1.0, soft="pillow")
+    loose = scene.add_object("pillow", box, mass=1.0, soft="pillow")
+    same = scene.add_object("box", hp.Box((0.5, 0.4, 0.1)), mass=1.0, soft="pillow")
+    for item in (moving, loose):
+        assert item.soft.thickness == pytest.approx(same.soft.thickness, rel=1e-3)
+        assert item.soft.stiffness == pytest.approx(same.soft.stiffness, rel=1e-3)
+    thick = scene.add_object("cube", trimesh.creation.box((1.0, 1.0, 1.0)), mass=1.0, soft="pillow")
+    assert thick.soft == checked_soft("cube", "pillow")
+    with pytest.raises(InputError, match=r"sheet.*too thin for a layer"):
+        scene.add_static("sheet", hp.Box((2.0, 2.0, 0.004)), soft="sofa")

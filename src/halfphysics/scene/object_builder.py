@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -10,10 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from halfphysics.base.validation import number, shown, vector
-from halfphysics.errors import InputError
+from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.geometry.contact_pieces import asked, touching
 from halfphysics.geometry.convex_decomposition import THRESHOLD, Cut, Decomposition
 from halfphysics.geometry.mesh import Mesh, MeshSource
+from halfphysics.geometry.mesh_queries import piece_count
 from halfphysics.geometry.shape_base import Shape
 from halfphysics.geometry.shapes import Plane
 from halfphysics.scene.items import (
@@ -25,8 +27,11 @@ from halfphysics.scene.items import (
     fixed,
 )
 from halfphysics.scene.soft import Soft
-from halfphysics.scene.soft_frame import soft_frame
+from halfphysics.scene.soft_frame import even, soft_frame
 from halfphysics.scene.trajectories import KinematicObject, start_velocity, trajectory
+
+#: Volumes by the surface and by the points inside may differ by this share: the latter is sampled.
+ODD_PARTS = 0.1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -162,6 +167,8 @@ def _solid(
             f"{what}: the mesh is not a closed surface, so it has no volume for a density; "
             "expected mass= [kg], or a mesh without holes"
         )
+    if isinstance(given, Mesh) and density is not None:
+        _warn_of_parts(what, given)
     layer = checked_layer(what, soft, given)
     if layer is None or not isinstance(given, Mesh):
         solid, decomposition = touching(what, given, cut, own)
@@ -176,12 +183,29 @@ def _solid(
             f"{what}: soft: the mesh is not a closed surface, so no frame can be put inside it; "
             "expected a mesh without holes"
         )
+    layer = even(given, layer)
     if given.is_convex:
         return _Solid(given, given.hull, source, cut, None, layer)
     _, decomposition = touching(f"{what}: its frame", soft_frame(given, layer).frame, cut, own)
     if decomposition is None:  # the frame of what is nearly convex
         return _Solid(given, given, source, cut, None, layer)
     return _Solid(given, given, source, cut, decomposition, layer)
+
+
+def _warn_of_parts(what: str, mesh: Mesh) -> None:
+    """Where parts overlap or are inside out, the volume by the surface is not what is inside."""
+    if piece_count(mesh.faces, len(mesh.vertices)) == 1:
+        return
+    inside = mesh.solid_volume
+    if abs(mesh.volume - inside) > ODD_PARTS * inside:
+        warnings.warn(
+            f"{what}: parts of the mesh overlap or are inside out: their surfaces bound "
+            f"{mesh.volume:.3g} m^3, the points inside are {inside:.3g}. The mass by density, the "
+            "centre and the inertia are those of the surfaces. Join the parts to one solid, turn "
+            "their faces outward, or give mass= and com=",
+            HalfPhysicsWarning,
+            stacklevel=5,
+        )
 
 
 def _checked_mass(what: str, mass: Any, density: Any) -> Mapping[str, float | None]:

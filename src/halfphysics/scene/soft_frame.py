@@ -121,6 +121,24 @@ def fitting(what: str, shape: Shape, soft: Soft, named: bool) -> Soft:
     )
 
 
+def even(mesh: Mesh, soft: Soft) -> Soft:
+    """The layer of a closed mesh that moves, which has one thickness all over.
+
+    Where the mesh is too thin for the layer, that is what half of its surface has at least (by
+    area), of the same foam: a thicker one would stand above what is seen.
+    """
+    made = soft_frame(mesh, soft)
+    a, b, c = np.moveaxis(made.surface[made.faces], 1, 0)
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    thickness = made.thickness[made.faces].mean(axis=1)
+    order = np.argsort(thickness, kind="stable")
+    half = int(np.searchsorted(np.cumsum(area[order]), 0.5 * area.sum()))
+    usual = float(thickness[order[min(half, len(order) - 1)]])
+    if usual >= 0.999 * soft.thickness:
+        return soft
+    return soft.of_thickness(max(usual, LEAST_THICKNESS))
+
+
 def _of_primitive(shape: Shape, t: float) -> SoftFrame:
     frame: Shape
     if isinstance(shape, Plane):

@@ -196,14 +196,15 @@ def test_pose_blend_shapes_are_morph_targets(tmp_path):
 
 
 def test_a_person_who_holds_still(tmp_path):
-    """Constant channels are left out, the nodes hold the pose; shapes of the pose included."""
+    """Constant channels are left out but one, which says how long; nodes hold the pose, shapes of
+    the pose included."""
     moving = violent(3)
     still = hp.Motion(moving.translation[[1, 1]], moving.rotations[[1, 1]], 30.0)
     body = many_handed(4, posedirs=1e-3)
     hp.export(still, tmp_path / "still.glb", body=body)
     file = Gltf(tmp_path / "still.glb")
     file.check()
-    assert "animations" not in file.json
+    assert len(file.json["animations"][0]["channels"]) == 1
     theirs = file.vertices("person_skin", 0.0)
     assert np.abs(theirs - y_up(body.vertices(still, 0))).max() < 1e-5
 
@@ -278,3 +279,10 @@ def test_only_known_suffixes(tmp_path):
     with pytest.raises(hp.errors.FileError, match="does not exist"):
         hp.export(violent(3), tmp_path / "nowhere" / "a.glb")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_person_who_stands_still_comes_back(tmp_path):
+    still = along_x(0.0, 40, 0.0).grounded(Body.default())
+    hp.export(still, tmp_path / "a.glb")
+    again = hp.Motion.load(tmp_path / "a.glb")
+    assert (len(again), again.fps) == (40, 30.0)

@@ -98,6 +98,7 @@ class _Builder:
         self.skins: list[dict[str, Any]] = []
         self.materials: list[dict[str, Any]] = []
         self.channels: list[dict[str, Any]] = []
+        self._still: tuple[int, Floats] | None = None  # a node that does not move, and its places
         self.samplers: list[dict[str, Any]] = []
         self.fps = take.fps
         self.times = (np.arange(take.frames) / take.fps).astype(np.float32)
@@ -106,6 +107,9 @@ class _Builder:
 
     def document(self) -> tuple[dict[str, Any], bytes]:
         """The JSON of the file."""
+        if not self.channels and self._still is not None:  # for how long everything stands still
+            node, place = self._still
+            self._add_channels([node], "translation", place[None])
         document: dict[str, Any] = {
             "asset": {"version": "2.0", "generator": f"halfphysics {__version__}"},
             "scene": 0,
@@ -300,13 +304,18 @@ class _Builder:
         single = values.astype(np.float32)
         changing = [k for k in range(len(single)) if (single[k] != single[k, :1]).any()]
         if not changing:
+            if path == "translation" and self._still is None:
+                self._still = nodes[0], single[0]
             return
+        self._add_channels([nodes[k] for k in changing], path, single[changing])
+
+    def _add_channels(self, nodes: list[int], path: str, values: Floats) -> None:
         if self._time is None:
             self._time = self.buffer.add(self.times, bounds=True)
-        arrays = [single[k].ravel() if path == "weights" else single[k] for k in changing]
-        for k, accessor in zip(changing, self.buffer.add_all(arrays), strict=True):
+        arrays = [own.ravel() if path == "weights" else own for own in values]
+        for node, accessor in zip(nodes, self.buffer.add_all(arrays), strict=True):
             self.channels.append(
-                {"sampler": len(self.samplers), "target": {"node": nodes[k], "path": path}}
+                {"sampler": len(self.samplers), "target": {"node": node, "path": path}}
             )
             self.samplers.append({"input": self._time, "output": accessor})
 

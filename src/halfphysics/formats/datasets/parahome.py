@@ -126,7 +126,10 @@ def _poses(path: Path, total: int) -> dict[str, Array]:
     """Matrices (T, 4, 4) of each part; while it is not there, those of the nearest frame."""
     data = read(path)
     if isinstance(data, Mapping):
-        data = [data[key] for key in sorted(data)]
+        try:
+            data = [data[key] for key in sorted(data)]
+        except TypeError:
+            raise FileError(f"{path}: found frames named by numbers and by text") from None
     if not isinstance(data, list) or not all(isinstance(frame, Mapping) for frame in data):
         raise FileError(f"{path}: expected for each frame a dict of name -> matrix (4, 4)")
     same_length(str(path), {POSE: total, "object_transformations": len(data)})
@@ -135,8 +138,7 @@ def _poses(path: Path, total: int) -> dict[str, Array]:
     for name in names:
         there = np.flatnonzero([name in frame for frame in data])
         known = np.stack([_matrix(path, name, data[k][name]) for k in there])
-        nearest = np.abs(np.arange(total)[:, None] - there[None]).argmin(axis=1)
-        found[name] = known[nearest]
+        found[name] = known[_nearest(there, total)]
         partly += [name] if len(there) < total else []
     if partly:
         warn(
@@ -144,6 +146,15 @@ def _poses(path: Path, total: int) -> dict[str, Array]:
             f"{', '.join(partly)}"
         )
     return found
+
+
+def _nearest(there: NDArray[np.intp], total: int) -> NDArray[np.intp]:
+    """Of every frame the index of the nearest of some frames; of two the earlier one."""
+    after = np.clip(np.searchsorted(there, np.arange(total)), 0, len(there) - 1)
+    before = np.maximum(after - 1, 0)
+    frames = np.arange(total)
+    nearer = np.abs(frames - there[before]) <= np.abs(there[after] - frames)
+    return np.where(nearer, before, after)
 
 
 def _matrix(path: Path, name: str, value: Any) -> Array:

@@ -62,6 +62,11 @@ def _people(source: Source) -> dict[str, Seen]:
     return seen(source.path, people)
 
 
+def _word(raw: Any) -> str:
+    """Text that numpy may keep as bytes."""
+    return raw.decode("utf-8", "replace") if isinstance(raw, bytes) else str(raw)
+
+
 def _read(who: Seen, options: Options) -> Motion:
     record = who.record
     smpl = np.shape(record.raw("pose_world"))[1:] == (3 * JOINTS,)
@@ -70,7 +75,7 @@ def _read(who: Seen, options: Options) -> Motion:
     else:
         poses = record.array("pose_world", None, 3 * N_JOINTS)
         rotations = rotations_of({tuple(range(N_JOINTS)): poses})
-    said = [str(word) for word in record.raw("gender")] if "gender" in record else ["neutral"]
+    said = [_word(word) for word in record.raw("gender")] if "gender" in record else ["neutral"]
     return estimated(
         record.where,
         options,

@@ -96,3 +96,30 @@ def test_an_object_is_held_until_the_world_starts_again(motion):
 def test_names_that_are_not_there(changes, words):
     with pytest.raises(InputError, match=words):
         Worlds(plan(**changes), 1, dt=DT)
+
+
+FINGER = """<mujoco><worldbody><body name="finger" pos="0 0 1">
+<joint name="x" type="slide" axis="1 0 0" stiffness="{0}" damping="{1}"/>
+<geom type="box" size=".02 .02 .02" mass="0.1"/></body></worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize("substeps", [4, 8])
+@pytest.mark.parametrize("beyond", [0.03, 0.05, 0.1, 0.2])
+@pytest.mark.parametrize("gains", [(1500, 60), (4000, 900)])
+def test_a_motor_that_is_stopped_presses_with_its_effort(gains, beyond, substeps):
+    """A finger at a wall, however far beyond it is told to go: K (r - q) is over its effort."""
+    scene = hp.Scene()
+    scene.add_articulated("it", model_of(FINGER.format(*gains)))
+    scene.add_static("wall", hp.Box((0.2, 1.0, 1.0)), position=(0.125, 0.0, 1.0))
+    plan = Plan(
+        scene=scene,
+        bodies=(),
+        motors={"it/x": 25.0},
+        watched=("it/finger",),
+        groups={"finger": ("it/finger",), "wall": ("wall",)},
+    )
+    worlds = Worlds(plan, 1, dt=1 / 30, settings=hp.Settings(substeps=substeps))
+    worlds.start(0, [])
+    for _ in range(20):
+        worlds.step(np.zeros((1, 0)), np.array([[beyond]]))
+    assert worlds.force("finger", "wall")[0] == pytest.approx([-25.0, 0.0, 0.0], abs=1e-6)

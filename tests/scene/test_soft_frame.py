@@ -139,3 +139,18 @@ def test_a_thin_mesh_that_moves_has_the_layer_of_the_same_box():
     assert thick.soft == checked_soft("cube", "pillow")
     with pytest.raises(InputError, match=r"sheet.*too thin for a layer"):
         scene.add_static("sheet", hp.Box((2.0, 2.0, 0.004)), soft="sofa")
+
+
+def test_a_thin_mesh_that_moves_is_the_same_after_it_was_saved(tmp_path):
+    """Its layer settles: whatever is thinned again stays as it is."""
+    ball = trimesh.creation.icosphere(subdivisions=3)
+    ball.apply_scale((0.15, 0.1, 0.025))
+    scene = hp.Scene()
+    first = scene.add_object("pebble", ball, mass=1.0, soft="pillow").soft
+    assert first.thickness < 0.05
+    for _ in range(2):
+        scene.save(tmp_path / "a.yaml")
+        scene = hp.Scene.load(tmp_path / "a.yaml")
+        assert scene.objects["pebble"].soft == first
+    with pytest.raises(InputError, match=r"sheet.*too thin for a layer"):
+        scene.add_object("sheet", trimesh.creation.box((1, 1, 0.0015)), mass=1.0, soft="sofa")

@@ -74,7 +74,8 @@ def stacked(frames: Listing[Mapping[str, Any]]) -> dict[str, Any]:
         if any(key not in frame for frame in frames):
             continue
         values = [frame[key] for frame in frames]
-        same = isinstance(values[0], int | float) and all(value == values[0] for value in values)
+        single = all(isinstance(value, int | float) for value in values)
+        same = single and all(value == values[0] for value in values)
         if isinstance(values[0], str | bytes) or same:  # of all frames, such as their rate
             fields[key] = values[0]
             continue

@@ -41,7 +41,8 @@ def stance(body: Body, scene: Scene, x: float = 0.0, y: float = 0.0) -> Pose:
     rotations[0] = (0.5 * np.pi, 0.0, 0.0)
     for joint, bend in _BENDS.items():
         rotations[JOINT_INDEX[joint]] = bend
-    hit = scene.ray((x, y, _LOOK_FROM), (0.0, 0.0, -1.0), ignore=tuple(scene.objects))
+    moving = [*scene.objects, *(n for item in scene.articulated.values() for n in item.link_names)]
+    hit = scene.ray((x, y, _LOOK_FROM), (0.0, 0.0, -1.0), ignore=moving)
     ground = 0.0 if hit is None else float(hit.position[2])
     pelvis = body.rest_joints[0]
     here = Pose(np.array([x, y, 1.0]) - pelvis, rotations)

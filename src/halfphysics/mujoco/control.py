@@ -215,6 +215,8 @@ class Control(Bound):
                 f"set_state: the state is not whole, or of another world; {expected} with these "
                 f"geoms and people: {', '.join(self.names)}"
             )
+        if not 0 <= count <= self._model.nbody or _FORCES * count > len(numbers) - 2:
+            raise InputError(f"set_state: the state is not whole; {expected}")
         end = len(numbers) - 2 - _FORCES * int(count)
         forces = numbers[end:-2].reshape(-1, _FORCES).copy()
         if not np.isin(forces[:, 0], self._host.bodies).all():

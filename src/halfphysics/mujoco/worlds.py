@@ -44,6 +44,7 @@ def step_worlds(
     steps = [control._steps(dt) for control in controls]
     for control, pose in zip(controls, poses, strict=True):
         control._ready(pose)
+        control._follow_masses("step")
     if engine.watched() or not all(control._alone for control in controls):
         for control, pose in zip(controls, poses, strict=True):
             control.step(pose, dt)

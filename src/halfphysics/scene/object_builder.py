@@ -183,7 +183,7 @@ def _solid(
             f"{what}: soft: the mesh is not a closed surface, so no frame can be put inside it; "
             "expected a mesh without holes"
         )
-    layer = even(given, layer)
+    layer = even(what, given, layer)
     if given.is_convex:
         return _Solid(given, given.hull, source, cut, None, layer)
     _, decomposition = touching(f"{what}: its frame", soft_frame(given, layer).frame, cut, own)

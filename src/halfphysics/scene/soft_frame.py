@@ -28,6 +28,8 @@ EDGE = 0.05
 MOST_FACES = 60_000
 #: Thickness over the sharpest tips of a mesh [m]: none would be no layer.
 LEAST = 1e-4
+#: A layer that half of a mesh has this share of fits it.
+SETTLED = 0.99
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,10 +112,7 @@ def fitting(what: str, shape: Shape, soft: Soft, named: bool) -> Soft:
     if named and most >= LEAST_THICKNESS:
         return soft.of_thickness(most)
     if named:
-        raise InputError(
-            f"{what}: soft: {shape!r} is too thin for a layer: found room for {most:g} m, expected "
-            f"at least {LEAST_THICKNESS:g} m. Make the shape larger, or leave soft out"
-        )
+        raise _too_thin(what, shape, most)
     raise InputError(
         f"{what}: soft: thickness is {soft.thickness:g} m; expected at most {most:g} m, so that a "
         f"hard core of a tenth is left of {shape!r}. Make it thinner, or the shape larger (it may "
@@ -121,22 +120,39 @@ def fitting(what: str, shape: Shape, soft: Soft, named: bool) -> Soft:
     )
 
 
-def even(mesh: Mesh, soft: Soft) -> Soft:
+def even(what: str, mesh: Mesh, soft: Soft) -> Soft:
     """The layer of a closed mesh that moves, which has one thickness all over.
 
     Where the mesh is too thin for the layer, that is what half of its surface has at least (by
-    area), of the same foam: a thicker one would stand above what is seen.
+    area), of the same foam: a thicker one would stand above what is seen. What comes back comes
+    back again as it is.
+
+    Raises:
+        InputError: It is too thin for any layer; `what` begins the message.
     """
+    while (usual := _usual_thickness(mesh, soft)) < SETTLED * soft.thickness:
+        if usual < LEAST_THICKNESS:
+            raise _too_thin(what, mesh, usual)
+        soft = soft.of_thickness(usual)
+    return soft
+
+
+def _usual_thickness(mesh: Mesh, soft: Soft) -> float:
+    """What half of a mesh's surface has at least of a layer (by area) [m]."""
     made = soft_frame(mesh, soft)
     a, b, c = np.moveaxis(made.surface[made.faces], 1, 0)
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
     thickness = made.thickness[made.faces].mean(axis=1)
     order = np.argsort(thickness, kind="stable")
     half = int(np.searchsorted(np.cumsum(area[order]), 0.5 * area.sum()))
-    usual = float(thickness[order[min(half, len(order) - 1)]])
-    if usual >= 0.999 * soft.thickness:
-        return soft
-    return soft.of_thickness(max(usual, LEAST_THICKNESS))
+    return float(thickness[order[min(half, len(order) - 1)]])
+
+
+def _too_thin(what: str, shape: Shape, most: float) -> InputError:
+    return InputError(
+        f"{what}: soft: {shape!r} is too thin for a layer: found room for {most:g} m, expected "
+        f"at least {LEAST_THICKNESS:g} m. Make the shape larger, or leave soft out"
+    )
 
 
 def _of_primitive(shape: Shape, t: float) -> SoftFrame:

@@ -36,7 +36,7 @@ def checked_bodies(body: Body | Sequence[Body] | None) -> list[Body]:
 
 def check_person_index(what: str, person: int | None, people: int) -> None:
     """Refuse what is neither None nor the index of one of `people`."""
-    if person is None or (is_whole(person, least=0) and person < people):
+    if person is None or (is_whole(person, least=0, plain=False) and person < people):
         return
     raise InputError(f"{what}: found person {person!r}, expected 0 to {people - 1}")
 

@@ -78,6 +78,7 @@ class Simulator(InNotebook):
         bodies = checked_bodies(body)
         scene, self.settings = checked_scene(scene), checked_settings(settings)
         self.dt = 1.0 / _positive("fps", fps)
+        _check_length("fps: a frame", self.dt)
         clock = Stopwatch(logger)
         self.world = build_world(bodies, scene, self.settings)
         clock.done("built the world of a simulator of %d items", len(self.world.names))
@@ -116,8 +117,7 @@ class Simulator(InNotebook):
         if not self._started:
             raise InputError("step: the simulator has no pose yet; call reset(pose) first")
         dt = self.dt if dt is None else _positive("dt", dt)
-        if dt > LONGEST_FRAME:
-            raise InputError(f"step: dt: found {dt:g} s, expected at most {LONGEST_FRAME:g} s")
+        _check_length("step: dt", dt)
         with self._tensed(poses):
             substeps = self._move(self.world.targets(poses), dt)
         return self._frame(substeps, poses)
@@ -418,6 +418,11 @@ class Simulator(InNotebook):
             _torques=stepper.torques() if moved else np.zeros((0, 3)),
             _soft=rows_of(stepper) if self.world.soft else None,
         )
+
+
+def _check_length(what: str, dt: float) -> None:
+    if dt > LONGEST_FRAME:
+        raise InputError(f"{what}: found {dt:g} s, expected at most {LONGEST_FRAME:g} s")
 
 
 def _positive(name: str, value: float) -> float:

@@ -44,7 +44,7 @@ def low_pass(values: Array, fps: float, cutoff: float | None) -> Array:
     pad = min(len(values) - 1, int(np.ceil(PADDING * fps)))
     flat = values.reshape(len(values), -1)
     share = np.linspace(0.0, 1.0, len(values))[:, None]
-    result: Array = (1.0 - share) * flat[0] + share * flat[-1]
+    result: Array = flat[0] + share * (flat[-1] - flat[0])
     moving = np.flatnonzero((flat != flat[0]).any(axis=0))
     if len(moving):
         rest = flat[:, moving] - result[:, moving]

@@ -51,7 +51,7 @@ void Articulations::finish(const Model& m, const std::vector<char>& others) {
   joints.upper.resize(m.njnt, 0.0);
   joints.effort.assign(m.njnt, std::numeric_limits<double>::infinity());
   joints.rate.assign(m.njnt, 0.0);
-  driven_.assign(m.njnt, 0.0);
+  driven_.assign(m.njnt, 0.0), effort_.assign(m.njnt, Effort::Within);
   joints.motors.clear(), balanced_.assign(m.nbody, 0);
   bodies_.clear(), dofs_.clear(), joints_.clear(), ends_.clear(), end_joint_.clear();
   std::vector<char> moves(m.nbody, 0);
@@ -116,9 +116,12 @@ void Articulations::find_efforts(const Model& m, const std::vector<char>& active
     if (!active[m.jnt_body[j]]) continue;
     const int d = m.jnt_dof[j];
     const double K = joints.stiffness[j], D = joints.damping[d], inertia = own.diagonal(d);
-    const double force =
-        (asked(m, j, qpos) - (D + h * K) * qvel[d]) * inertia / (inertia + h * D + h * h * K);
-    driven_[j] = std::fabs(force) > joints.effort[j] ? std::copysign(joints.effort[j], force) : 0;
+    const double pull = asked(m, j, qpos), now = pull - D * qvel[d], most = joints.effort[j];
+    const double then = (now - h * K * qvel[d]) * inertia / (inertia + h * D + h * h * K);
+    effort_[j] = std::fabs(now) <= most    ? Effort::Within
+                 : std::fabs(then) <= most ? Effort::AtFirst
+                                           : Effort::AllAlong;
+    driven_[j] = std::copysign(most, effort_[j] == Effort::AllAlong ? then : now);
   }
 }
 
@@ -133,7 +136,7 @@ void Articulations::added_inertia(const Model& m, const std::vector<char>& activ
   for (int j : joints_) {
     if (!active[m.jnt_body[j]]) continue;
     const int count = m.jnt_type[j] == Joint::Free ? 6 : m.jnt_type[j] == Joint::Ball ? 3 : 1;
-    const bool driven = driven_[j] != 0;
+    const bool driven = effort_[j] == Effort::AllAlong;
     for (int d = m.jnt_dof[j]; d < m.jnt_dof[j] + count && !driven; d++)
       extra[d] = h * joints.damping[d] + (count < 6 ? h * h * joints.stiffness[j] : 0.0);
   }
@@ -168,7 +171,7 @@ void Articulations::impulse(const Model& m, const Kinematics& k, const std::vect
         break;
       }
       default: {
-        if (driven_[j] == 0)
+        if (effort_[j] == Effort::Within)
           act(0, asked(m, j, qpos));
         else  // at its effort a motor does not feel how far it is off
           out[d] = h * (driven_[j] - bias_[d]);

@@ -8,9 +8,10 @@
 // objects"). A limit of a joint is a contact without friction that moves with one dof.
 //
 // A motor is a spring of a hinge or slide whose rest r moves as it is told, with a damping D against the
-// rest's own velocity: it exerts F = K (r - q) + D (dr/dt - v), and its effort at most. What it would exert at
-// the end of a step, by the inertia that its joint has alone, decides: over its effort it exerts that, whatever
-// the joint does meanwhile, and nothing of K and D joins the inertia. Trees with motors
+// rest's own velocity: it exerts F = K (r - q) + D (dr/dt - v), and its effort at most. Where F is over its effort
+// as a step begins it exerts its effort. If F would be so at the end too, by the inertia that its joint has
+// alone, nothing of K and D joins the inertia: the joint gets all of it. Else it would be thrown beyond its
+// rest, and h D + h^2 K stays: a joint that is stopped presses with its effort either way. Trees with motors
 // bear their own weight, as robots' controllers have it: no gravity in c.
 #pragma once
 #include <algorithm>
@@ -77,7 +78,9 @@ class Articulations {
   double asked(const Model& m, int joint, const double* qpos) const;
 
   std::vector<int> bodies_, dofs_, joints_;
-  std::vector<double> driven_;  // per joint: what a motor at its effort exerts; 0: it is not there
+  enum class Effort : char { Within, AtFirst, AllAlong };
+  std::vector<Effort> effort_;  // per joint: where its motor is at its effort in this step
+  std::vector<double> driven_;  // per joint: what a motor at its effort exerts
   std::vector<Contact> ends_;   // two per joint that has ends: the lower first
   std::vector<int> end_joint_;
   std::vector<char> balanced_;  // per body: its tree has motors

@@ -26,8 +26,7 @@ namespace hp {
 
 class Rebounds {
  public:
-  // Sets the demands of contacts that rebound in a step of length h [s] and opens their islands; false
-  // if none does.
+  // Sets the demands of contacts that rebound in a step and opens their islands; false if none does.
   bool demand(const System& system, Data& data);
   // After `solve` has met them: cuts them in islands that gained energy, solving those again.
   void bound_energy(const System& system, Data& data, const std::function<void()>& solve);

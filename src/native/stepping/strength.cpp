@@ -65,6 +65,7 @@ void StrengthLimits::keep(const System& system, Data& data, const std::vector<do
     std::copy_n(data.step.v.begin() + first, count, v_star_.begin() + first);
     in_pieces_[p] = 1;
   }
+  data.step.braced.clear();  // it is in what was kept
 }
 
 // The drive pulls the deviation e back by D in a substep, v* = v_ref + e - D, and against what

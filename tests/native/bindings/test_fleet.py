@@ -202,3 +202,9 @@ def test_wrong_sizes_of_a_frame_are_refused():
         side.frame(np.zeros((1, 2)), 1 / 30, 8)
     with pytest.raises(ValueError, match="bad shape"):
         side.frame(np.zeros((2, 3)), 1 / 30, 8)
+
+
+def test_a_motor_without_effort_does_nothing():
+    side = Side(SLIDER, effort=0.0)
+    side.frame([[1.0]], 1 / 30, 8)
+    assert side.states[0, 1] == 0.0

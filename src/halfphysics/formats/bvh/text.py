@@ -200,7 +200,7 @@ def _rate(text: str) -> float | None:
     digits = len(mantissa.partition(".")[2])
     slack = 0.5 * 10.0 ** (int(exponent or 0) - digits) + _SAME_RATE * seconds
     whole = round(1.0 / seconds)
-    short = round(1.0 / seconds, 6)
+    short = round(1.0 / seconds, 3)
     if short > 0 and abs(1.0 / short - seconds) < _SAME_RATE * seconds:
         return short
     for rate in (whole, round(1.001 / seconds) / 1.001):

@@ -81,7 +81,8 @@ def _beneath(
     # Only an item with a lower bottom can be a support: no two items support each other.
     above = [n for n, other in extents.items() if n == name or other.low[2] >= bottom]
     start = (mine.middle[0], mine.middle[1], bottom + NEAR)
-    hit = scene.ray(start, (0.0, 0.0, -1.0), ignore=above)
+    links = [link for item in scene.articulated.values() for link in item.link_names]
+    hit = scene.ray(start, (0.0, 0.0, -1.0), ignore=[*above, *links])
     if hit is not None and hit.distance <= 2.0 * NEAR:
         plane = hit.name not in extents
         foot = hit.position[2] if plane else extents[hit.name].low[2]

@@ -73,34 +73,6 @@ bool SelfResponse::met(const System& system, const State& state, double h) {
   return met;
 }
 
-bool SelfResponse::solve(const System& system, Data& data, const std::vector<Contact>& contacts,
-                         double tolerance, ContactSolver& solver, double h) {
-  const Model& model = system.model;
-  const Attempt& attempt = data.attempt;
-  find_own(system, attempt, contacts);
-  if (own_.empty()) return false;
-  v_.resize(model.nv);
-  const std::vector<double> resist = resistance(system, data);
-  for (const bool whole : {false, true}) {
-    free_.assign(model.nv, 0);
-    for (const Contact& c : own_) {
-      const ContactCandidate& k = attempt.candidates[c.pair];
-      make_room(model, system.world.shapes[k.shape].body, system.world.shapes[k.other_shape].body,
-                whole);
-    }
-    factor_.factor(model, data.inertia.inertia(), data.inertia.scale(), resist, touches_.data(),
-                   free_.data());
-    const SolveReport r =
-        solver.solve(model, data.state.pose.kin, factor_, h, data.step.v_free.data(), v_.data(),
-                     own_, tolerance, system.world.settings.max_sweeps, 0, data.budget.solve());
-    data.budget.spend(r.work);
-    data.result.diagnostics.sweeps += r.sweeps;
-    friction_ = r.friction;
-    if (met(system, data.state, h)) return true;
-  }
-  return false;
-}
-
 namespace {
 
 // f += J^T p.
@@ -133,9 +105,38 @@ void SelfResponse::find_impulse(const System& system, const Data& data) {
   for (const Contact& c : own_) add_impulse(system.model, data.state.pose.kin, c, impulse_);
 }
 
+bool SelfResponse::solve(const System& system, Data& data, const std::vector<Contact>& contacts,
+                         double tolerance, ContactSolver& solver, double h) {
+  const Model& model = system.model;
+  const Attempt& attempt = data.attempt;
+  find_own(system, attempt, contacts);
+  if (own_.empty()) return false;
+  v_.resize(model.nv);
+  const std::vector<double> resist = resistance(system, data);
+  for (const bool whole : {false, true}) {
+    free_.assign(model.nv, 0);
+    for (const Contact& c : own_) {
+      const ContactCandidate& k = attempt.candidates[c.pair];
+      make_room(model, system.world.shapes[k.shape].body, system.world.shapes[k.other_shape].body,
+                whole);
+    }
+    factor_.factor(model, data.inertia.inertia(), data.inertia.scale(), resist, touches_.data(),
+                   free_.data());
+    const SolveReport r =
+        solver.solve(model, data.state.pose.kin, factor_, h, data.step.v_free.data(), v_.data(),
+                     own_, tolerance, system.world.settings.max_sweeps, 0, data.budget.solve());
+    data.budget.spend(r.work);
+    data.result.diagnostics.sweeps += r.sweeps;
+    friction_ = r.friction;
+    if (!met(system, data.state, h)) continue;
+    find_impulse(system, data);
+    return true;
+  }
+  return false;
+}
+
 void SelfResponse::brace(const System& system, const Data& data, std::vector<double>& out) {
   const int nv = system.model.nv;
-  find_impulse(system, data);
   change_.resize(nv), momentum_.resize(nv), out.resize(nv, 0);
   for (int i = 0; i < nv; i++) change_[i] = v_[i] - data.step.v_free[i];
   const std::vector<double>&scale = data.inertia.scale(), &added = data.inertia.added();
@@ -148,7 +149,6 @@ void SelfResponse::brace(const System& system, const Data& data, std::vector<dou
 }
 
 const std::vector<double>& SelfResponse::without_own(const System& system, const Data& data) {
-  find_impulse(system, data);
   data.inertia.solve(system.model, impulse_.data());
   for (int i = 0; i < system.model.nv; i++) v_[i] -= impulse_[i];
   return v_;

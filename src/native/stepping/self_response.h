@@ -33,7 +33,8 @@ class SelfResponse {
   bool is_own(const System& system, const Attempt& attempt, const Contact& c) const;
   const std::vector<double>& velocity() const { return v_; }  // v'
   double friction() const { return friction_; }  // what solve() missed of friction's law [m/s]
-  // After solve(): v' - M^^-1 J^T p, from where all contacts are solved together.
+  // After solve() and brace(): v' - M^^-1 J^T p, from where all contacts are solved together. Takes v' and
+  // J^T p with it.
   const std::vector<double>& without_own(const System& system, const Data& data);
   // After solve(): M^ (v' - v*) - J^T p, of the people who touch themselves, into their dofs of `out`:
   // what the joints that do not move hold. Free joints hold nothing.

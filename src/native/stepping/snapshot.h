@@ -1,9 +1,9 @@
 // Snapshots: everything that outlives a frame, as a flat list of numbers, to go on from there
 // later.
 //
-// Layout: the numbers that say of what it is, qpos, qvel, drives, world, exit paths, sleeping bodies, kinematic bodies, pushes of
-// prescribed people (where there are any), contact cache, and the number of entries before the last
-// one.
+// Layout: the numbers that say of what it is, qpos, qvel, drives, world, exit paths, sleeping bodies,
+// kinematic bodies, pushes of prescribed people (where there are any), contact cache, and the number of
+// entries before the last one.
 #pragma once
 #include "stepping/baselines/prescribed_poses.h"
 #include "stepping/kinematic_bodies.h"

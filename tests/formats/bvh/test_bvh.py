@@ -267,6 +267,8 @@ WRONG = [
     ("no channels", swap("CHANNELS 3", "CANALS 3"), "expected CHANNELS"),
     ("channels uncounted", swap("CHANNELS 3 ", "CHANNELS "), "expected CHANNELS, their number"),
     ("too few channels", swap("CHANNELS 3 Z", "CHANNELS 4 Z"), "3 channels.*expected the 4"),
+    ("channels beyond numbers", swap("CHANNELS 3", "CHANNELS " + 5000 * "9"), "expected CHANNELS"),
+    ("frames beyond numbers", swap("Frames: 12", "Frames: " + 5000 * "9"), "'Frames: 120'"),
     ("unknown channel", swap("Zrotation", "Wrotation"), "'Wrotation'.*expected some of"),
     ("a channel twice", swap("Zrotation Xrotation", "Zrotation Zrotation"), "each channel once"),
     ("no frame count", swap("Frames: 12\n", ""), "'Frames: 120'"),

@@ -409,6 +409,7 @@ MCS = {
     "another file": (("buffers", 0, "uri"), "../secret.bin", "in another file"),
     "no buffer": (("bufferViews", 0, "buffer"), 7, "bytes are not found"),
     "no view": (("bufferViews",), None, "bytes are not found"),
+    "at infinity": (("bufferViews", 0, "byteOffset"), float("inf"), "bytes are not found"),
     "too long": (("bufferViews", 0, "byteLength"), 10**9, "expected 1000000000"),
     "cut": (("bufferViews", 0, "byteLength"), 300, "damaged or truncated"),
     "no presence": (

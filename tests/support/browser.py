@@ -21,10 +21,12 @@ _FLAGS = (
     *("--hide-scrollbars", "--use-gl=angle", "--use-angle=swiftshader"),
     "--enable-unsafe-swiftshader",
 )
-_DROP = """([name, data]) => {
-  const bytes = Uint8Array.from(atob(data), (letter) => letter.charCodeAt(0));
+_DROP = """(files) => {
   const dataTransfer = new DataTransfer();
-  dataTransfer.items.add(new File([bytes], name));
+  for (const [name, data] of files) {
+    const bytes = Uint8Array.from(atob(data), (letter) => letter.charCodeAt(0));
+    dataTransfer.items.add(new File([bytes], name));
+  }
   for (const type of ["dragenter", "dragover", "drop"]) {
     dispatchEvent(new DragEvent(type, { dataTransfer, bubbles: true, cancelable: true }));
   }
@@ -111,10 +113,10 @@ class Tab:
             self.page.wait_for_timeout(150)
         return found
 
-    def drop(self, path: Path):
-        """Drop a file onto the middle of the page, as from a folder."""
-        data = base64.b64encode(path.read_bytes()).decode()
-        self.page.evaluate(_DROP, [path.name, data])
+    def drop(self, *paths: Path):
+        """Drop files onto the middle of the page, as from a folder."""
+        files = [[p.name, base64.b64encode(p.read_bytes()).decode()] for p in paths]
+        self.page.evaluate(_DROP, files)
 
     def quiet(self):
         """Close viser's message that it draws in software, which only tests see."""

@@ -325,3 +325,20 @@ def test_who_sees_everything_follows_nobody_until_another_view(scene):
     seen.preset(client, "Front")
     walk(client, seen, shown, 1.0)
     assert np.linalg.norm(client.camera.look_at - shown.at[0]) < 1.0
+
+
+@pytest.mark.parametrize(
+    "broken", [np.zeros(2), np.array([0.0, np.nan, 0.0]), [[0.0], [1.0, 2.0], 3.0], "abc", None]
+)
+def test_a_browser_that_reports_no_camera_is_passed_over(broken):
+    shown, strange, sound = stage(), Client(1), Client(2)
+    strange.camera.position = broken
+    seen = cameras(shown, clients=[strange, sound])
+    seen._server.initial_camera = SimpleNamespace(position=np.ones(3), look_at=np.zeros(3))
+    first = Camera(np.array([3.0, 3.0, 3.0]), np.zeros(3), 1.0)
+    seen._home = lambda size: first
+    seen.following = True
+    seen.watch()
+    seen.follow()
+    assert strange.camera.position is broken
+    assert np.array_equal(sound.camera.position, first.position)

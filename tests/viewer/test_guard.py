@@ -66,7 +66,9 @@ def part(name, size):
 def test_uploads_have_a_total_size(monkeypatch):
     monkeypatch.setattr(guard, "TOTAL", 100)
     uploads = Uploads()
+    assert not uploads.under_way
     assert uploads.welcome(1, start("a", 60, 2))
+    assert uploads.under_way
     assert not uploads.welcome(2, start("b", 41))
     assert not uploads.welcome(2, part("b", 1))
     assert uploads.welcome(2, start("c", 40))
@@ -78,6 +80,10 @@ def test_uploads_have_a_total_size(monkeypatch):
     assert not uploads.welcome(3, start("e", 1))
     uploads.forget(1)
     assert uploads.welcome(3, start("e", 60))
+    assert uploads.welcome(3, part("e", 60))
+    assert uploads.under_way
+    assert uploads.welcome(2, part("c", 40))
+    assert not uploads.under_way
 
 
 @pytest.mark.parametrize("size", [-1, 10**12, 1.5, "1", None])

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from halfphysics.errors import FileError, InputError
-from halfphysics.live.client import connect
+from halfphysics.live.client import LiveClient, connect
 from halfphysics.live.schema import Add
 from halfphysics.viewer.live_reader import LiveReader, Numbers
 from support.live_sessions import FPS, session
@@ -81,3 +81,12 @@ def test_nobody_there():
         LiveReader("ws://127.0.0.1:9")
     with pytest.raises((InputError, FileError)):
         LiveReader("ws://")
+
+
+def test_a_session_that_makes_no_frames_is_refused_in_words(monkeypatch):
+    def silent(self, timeout=None):
+        raise TimeoutError
+
+    monkeypatch.setattr(LiveClient, "receive", silent)
+    with session() as server, pytest.raises(FileError, match="no frame came within 1 s"):
+        LiveReader(server.url)

@@ -10,11 +10,13 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.cli import main
+from halfphysics.errors import FileError
 from halfphysics.live.client import connect
 from halfphysics.live.schema import Add, Drag, Mass
 from halfphysics.live.serve import serve
 from halfphysics.viewer.live_hands import newest
 from halfphysics.viewer.live_view import LiveView, is_address
+from support.live_sessions import scene as live_scene
 from support.live_sessions import session
 
 
@@ -147,3 +149,32 @@ def test_an_address_is_alone_and_answers(command, capsys):
     assert "nothing answers there" in capsys.readouterr().err
     assert main([command, "ws://127.0.0.1:9", "ws://127.0.0.1:10"]) == 2
     assert "one live session alone" in capsys.readouterr().err
+
+
+def test_hands_come_back_with_the_session():
+    with session() as one:
+        port = one.server.port
+        view = LiveView(one.url, hands=True, port=0)
+    with view:
+        until(lambda: view.reader.trouble)
+        view.hands._asked.put(Mass("ball", 3.0))
+        until(lambda: view.hands.trouble)
+        with serve(live_scene(), port=port, fps=30):
+            until(lambda: not view.reader.trouble)
+            view.hands._asked.put(Mass("ball", 2.0))
+            until(lambda: any(i.mass == 2.0 for i in view.reader.hello.objects))
+            until(lambda: not view.hands.trouble)
+
+
+def test_whoever_looks_does_not_see_the_token():
+    secret = "correct-horse-battery"
+    with session(token=secret) as one:
+        assert secret in one.url
+        with LiveView(one.url, port=0) as view:
+            said = [*view.panel.lines(), repr(view), str(view.remote._told)]
+            address = view.reader.address
+    assert all(secret not in text for text in said)
+    assert address in said[0]
+    with pytest.raises(FileError, match="nothing answers") as raised:
+        LiveView(f"ws://127.0.0.1:9/?token={secret}")
+    assert secret not in str(raised.value)

@@ -7,6 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
+import halfphysics as hp
 from halfphysics.viewer.page import save_page
 from support.browser import CHROMIUM, SIZES, artefacts, tab
 from support.people import along_x
@@ -313,6 +314,23 @@ def test_dropped_files_are_shown_or_refused_in_a_sentence(page, tmp_path):
     joints = touched_result().people[0].body.joints(walk)[-1]
     np.testing.assert_allclose(np.array(bones) - aside, joints, atol=1e-4)
     page.page.screenshot(path=page.kept / "page-dropped.png")
+
+
+def test_a_dropped_result_of_a_y_up_file_stands_where_it_says(page, tmp_path):
+    once(page)
+    place = np.linspace([0.0, 1.35, 0.0], [0.3, 1.35, 0.5], 16)
+    motion = hp.Motion.from_smplx(
+        fps=30, global_orient=np.zeros((16, 3)), transl=place, body_pose=np.zeros((16, 63)), up="y"
+    )
+    result = hp.simulate(motion, settings=hp.Settings.paper())
+    result.save(tmp_path / "turned.npz")
+    count = page.evaluate("halfphysics.drops.people.length")
+    page.drop(tmp_path / "turned.npz")
+    page.until(lambda: page.evaluate("halfphysics.drops.people.length") == count + 1)
+    found = page.evaluate(f"halfphysics.drops.people[{count}].pelvis(15)")
+    aside = page.evaluate(f"halfphysics.drops.people[{count}].offset")
+    wanted = result.people[0].body.joints(result.people[0].motion)[15, 0]
+    np.testing.assert_allclose(np.array(found) - aside, wanted, atol=1e-4)
 
 
 def test_a_page_opens_in_the_systems_colours(page):

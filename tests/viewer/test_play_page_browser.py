@@ -217,3 +217,102 @@ def test_keys(page):
     assert ask(page, "return physics.index;") == 1
     press("ArrowLeft")
     assert "cannot go back" in page.page.text_content("#hp-said")
+
+
+def test_the_loop_waits_for_the_pointer(page):
+    """A world that starts anew would pull what is held across the scene."""
+    once(page)
+    ask(
+        page,
+        "physics.loop = true; physics.hold = false; physics.playing = false; physics.restart();",
+    )
+    ask(page, "while (physics.index < physics.frames - 1) physics.make();")
+    held = (
+        "const [ball] = physics.play.objects; const [place] = physics.place(ball);"
+        "pointer.drag = { id: 9, object: ball, grip: place, pointer: place, offset: [0, 0, 0],"
+        "normal: [1, 0, 0] };"
+    )
+    ask(page, held)
+    made = ask(page, "const before = physics.made; physics.make(); return physics.made - before;")
+    assert made == 1
+    assert ask(page, "return physics.index;") == FRAMES - 1
+    ask(page, "pointer.drag = null; physics.make();")
+    assert ask(page, "return physics.index;") == 0
+
+
+def test_time_that_a_hidden_tab_missed_is_not_caught_up(page):
+    once(page)
+    ask(page, "physics.playing = false; physics.restart(); physics.tick();")
+    made = ask(
+        page,
+        "physics.playing = true; physics.tick(); const before = physics.made;"
+        "physics.ended -= 60000; physics.due -= 60000; physics.tick();"
+        "physics.playing = false; return physics.made - before;",
+    )
+    assert made == 1
+
+
+def test_keys_after_the_speed_and_a_slider_were_used(page):
+    once(page)
+    press = page.page.keyboard.press
+    page.page.select_option("#hp-speed", "0.5")
+    assert ask(page, "return physics.speed;") == 0.5
+    playing = ask(page, "return physics.playing;")
+    press(" ")
+    assert ask(page, "return physics.playing;") is not playing
+    slider = page.page.locator("[aria-label^='Stiffness']")
+    slider.focus()
+    press(" ")
+    assert ask(page, "return physics.playing;") is playing
+    before = ask(page, "return physics.turned.stiffness;")
+    press("ArrowRight")  # the slider's own
+    assert ask(page, "return physics.turned.stiffness;") != before
+    # A key that is held repeats itself; it is one press.
+    page.page.locator("#hp-bar").click(position={"x": 2, "y": 2})
+    page.page.keyboard.down(" ")
+    page.page.keyboard.down(" ")
+    page.page.keyboard.down(" ")
+    page.page.keyboard.up(" ")
+    assert ask(page, "return physics.playing;") is not playing
+    page.page.select_option("#hp-speed", "1")
+    ask(page, "physics.own();")
+
+
+def test_a_light_thing_is_shown_with_its_mass(page, tmp_path, story):
+    once(page)
+    scene = hp.Scene()
+    scene.add_static("floor", hp.Plane())
+    scene.add_object("ball", hp.Sphere(0.02), mass=0.0027, position=(1.0, 0.0, 0.02))
+    path = save_play_page(dataclasses.replace(story, scene=scene), tmp_path / "light.html")
+    other = Tab(page.page.context.new_page())
+    try:
+        other.open(path)
+        other.until(lambda: other.evaluate("Boolean(window.halfphysics?.physics.made > 2)"))
+        knob = other.page.locator(".hp-knob", has=other.page.locator("[aria-label='Mass']"))
+        assert knob.locator("output").inner_text() == "0.0027 kg"
+        assert ask(other, "return halfphysics.knobs.mass.value;") == pytest.approx(0.0027)
+    finally:
+        other.page.close()
+
+
+def test_the_pointer_takes_a_thing_where_it_is_seen(page):
+    once(page)
+    ask(page, "physics.playing = false; physics.restart();")
+    page.evaluate(
+        "(() => { const { physics, cameras } = halfphysics; const [p] = "
+        "physics.place(physics.play.objects[0]); cameras.following = false;"
+        "cameras.look([[p[0] + 0.6, p[1], p[2] + 0.1], p], 1); })()"
+    )
+    settled(page)
+    grips = ask(
+        page,
+        "const box = __viserMutable.canvas.getBoundingClientRect();"
+        "const [place] = physics.place(physics.play.objects[0]);"
+        "return [[0, 0], [60, 0], [0, -60], [-50, 40], [380, 0], [0, 250]].map(([x, y]) => {"
+        "const found = pointer.under({ clientX: box.left + box.width / 2 + x,"
+        "clientY: box.top + box.height / 2 + y });"
+        "return found && Math.hypot(...found.grip.map((one, k) => one - place[k])); });",
+    )
+    # On the ball's skin, which is drawn as a mesh; beside it nothing is.
+    np.testing.assert_allclose(np.array(grips[:4], dtype=float), 0.11, rtol=0.03)
+    assert grips[4:] == [None, None]

@@ -25,6 +25,13 @@ class Gui:
         return field
 
 
+def said(fields):
+    """What browsers have been told, beside the name of the scene."""
+    told = json.loads(fields["in"].value)
+    assert told.pop("scene")
+    return told
+
+
 @pytest.fixture
 def wire():
     gui, heard = Gui(), []
@@ -65,7 +72,7 @@ def test_what_is_told_stays_and_is_sent_once(wire):
     remote, fields, _ = wire
     remote.tell(clock={"time": 1.0})
     remote.tell(paint=True)
-    assert json.loads(fields["in"].value) == {"clock": {"time": 1.0}, "paint": True}
+    assert said(fields) == {"clock": {"time": 1.0}, "paint": True}
     fields["in"].value = "seen"
     remote.tell(paint=True)
     assert fields["in"].value == "seen"
@@ -80,7 +87,19 @@ def test_a_sentence_is_taken_back(wire, monkeypatch):
     remote.say("Reading ...")
     now[0] += 0.5
     remote.tell(paint=True)
-    assert json.loads(fields["in"].value)["say"] == "Reading ..."
+    assert said(fields)["say"] == "Reading ..."
     now[0] += 1.0
     remote.tell(paint=True)
-    assert json.loads(fields["in"].value) == {"paint": True}
+    assert said(fields) == {"paint": True}
+
+
+def test_every_scene_has_a_name_of_its_own(wire):
+    """A page that stays open must notice that another server answers, or a scene built anew."""
+    names = set()
+    for _ in range(3):
+        gui = Gui()
+        remote = Remote(gui, print)
+        for paint in (True, False):
+            remote.tell(paint=paint)
+            names.add(json.loads(gui.fields["in"].value)["scene"])
+    assert len(names) == 3

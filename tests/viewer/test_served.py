@@ -74,3 +74,13 @@ def test_what_fails_at_the_start_leaves_no_thread_and_no_server():
     with pytest.raises(ZeroDivisionError):
         Counting(failure=ZeroDivisionError())
     until(lambda: set(threading.enumerate()) <= before)
+
+
+def test_a_failure_is_told_where_nobody_waits(monkeypatch):
+    told = []
+    monkeypatch.setattr(threading, "excepthook", lambda args: told.append(args.exc_value))
+    with Counting() as it:
+        it.do(lambda: 1 / 0)
+        until(lambda: told)
+    assert isinstance(told[0], ZeroDivisionError)
+    assert it._failure is told[0]

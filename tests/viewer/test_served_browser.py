@@ -220,3 +220,29 @@ def test_the_sheet_of_a_phone_is_folded_at_first(page, viewer, tmp_path):
         page.page.click("text='halfphysics'")
         page.until(lambda: page.box("text='halfphysics'")[1] > 0.7 * height)
         assert page.errors == []
+
+
+def test_a_page_that_stays_open_shows_what_another_server_has(page):
+    """Somebody stops `view a.npz` and starts `view b.npz`: both tell of data-1.json."""
+    with beside(page, WINDOW) as page:
+        with Viewer([touched_result()], labels=["one"], port=0) as first:
+            opened(page, first)
+            page.until(lambda: page.page.title() == "one")
+            port = first.port
+        with Viewer([touched_result()], labels=["two"], port=port) as second:
+            assert second.port == port
+            page.until(lambda: page.page.title() == "two")
+            page.until(lambda: page.evaluate(READY))
+            page.until(lambda: page.page.locator(".hp-row").count() == 3)
+
+
+def test_files_of_one_drop_are_all_shown(page, tmp_path):
+    names = ("left", "right", "middle")
+    for name in names:
+        along_x(1.0, 31, 0.0, z=1.0).save(tmp_path / f"{name}.npz")
+    with Viewer([touched_result()], port=0) as viewer, beside(page, WINDOW) as page:
+        opened(page, viewer)
+        page.drop(*(tmp_path / f"{name}.npz" for name in names))
+        page.until(lambda: len(viewer.stages) == 4)
+        assert viewer.labels == ("first", *names)
+        page.until(lambda: page.page.title() == "first | left | right | middle")

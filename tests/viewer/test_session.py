@@ -270,3 +270,29 @@ def test_of_a_slider_that_is_moved_only_the_last_place_is_worked_out():
 def test_bodies_are_the_default_one_where_a_source_names_none():
     sequence, _ = standing()
     assert len(bodies_of(replace(sequence, body=None))) == 1
+
+
+def test_what_is_varied_is_the_choice_of_then():
+    """A browser posts faster than scenarios load, and knows the choice of before."""
+    session = Session(Catalog(), KICK)
+    session.post(do.Vary(options={"radius": 0.2}, scenario="kick_ball"))
+    session.post(do.Vary(options={"speed": 9.0}, scenario="kick_ball"))
+    session.obey()
+    assert session.choice.options == {"radius": 0.2, "speed": 9.0}
+    session.post(do.Choose(Choice("walk_into_wall")))
+    session.post(do.Vary(options={"radius": 0.1}, scenario="kick_ball"))  # a slider that is gone
+    session.post(do.Vary(motion="kick_ball"))
+    session.obey()
+    assert not session.trouble
+    assert (session.choice.scenario, session.choice.motion) == ("walk_into_wall", "kick_ball")
+    assert session.choice.options == {}
+
+
+def test_of_values_that_follow_each_other_the_last_is_loaded():
+    session = Session(Catalog(), KICK)
+    story = session.story
+    for radius in (0.1, 0.15, 0.2):
+        session.post(do.Vary(options={"radius": radius}, scenario="kick_ball"))
+    session.obey()
+    assert session.story == story + 1
+    assert session.choice.options == {"radius": 0.2}

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 import time
+from types import SimpleNamespace
 from urllib.request import ProxyHandler, build_opener
 
 import numpy as np
@@ -18,6 +19,7 @@ import trimesh
 import halfphysics as hp
 from halfphysics.errors import FileError, InputError
 from halfphysics.render.result_meshes import Drawing
+from halfphysics.viewer.address import url
 from halfphysics.viewer.arrange import arrange
 from halfphysics.viewer.controls import slider_end
 from halfphysics.viewer.server import free_port
@@ -265,3 +267,68 @@ def test_a_dropped_result_whose_mesh_is_damaged_leaves_the_scene_as_it_is(tmp_pa
         assert viewer._failure is None
         assert viewer.controls.remote._told["say"].startswith("out.npz, statics.crate.mesh: ")
         assert viewer.stages is before
+
+
+def test_values_that_no_slider_has_are_ignored():
+    """Any browser can send them; they ended the viewer for all."""
+    with Viewer([small_result()], port=0) as viewer:
+        viewer.timeline.pause()
+        viewer.timeline.seek(0.1)
+        controls, before = viewer.controls, viewer.timeline.time
+        for value in (np.nan, np.inf):
+            controls._slider._impl.value = value
+            controls._scrubbed(SimpleNamespace(client_id=1))
+        for command in ("seek", "step", "speed"):
+            for value in ("fast", None, np.nan, [1.0]):
+                controls._obey(command, value, None)
+        assert viewer.timeline.time == before
+        assert viewer.timeline.speed == 1.0
+
+
+def test_files_of_one_drop_are_shown_together(tmp_path, monkeypatch):
+    for name in ("one", "two"):
+        along_x(1.0, 31, 0.0, z=1.0).save(tmp_path / f"{name}.npz")
+    with Viewer([small_result()], port=0) as viewer:
+        scenes = []
+        build = viewer._build
+        monkeypatch.setattr(viewer, "_build", lambda *args: scenes.append(1) or build(*args))
+        viewer._root.uploads = SimpleNamespace(under_way=True)
+        for name in ("one", "two"):
+            content = (tmp_path / f"{name}.npz").read_bytes()
+            viewer.do(lambda name=name, content=content: viewer.take(f"{name}.npz", content))
+            viewer.do(lambda: setattr(viewer._root.uploads, "under_way", len(viewer._added) < 2))
+        end = time.monotonic() + 20.0
+        while len(viewer.stages) < 3 and time.monotonic() < end:
+            time.sleep(0.02)
+        assert viewer.labels == ("first", "one", "two")
+        assert len(scenes) == 1
+
+
+def test_the_reference_moves_while_any_browser_compares():
+    clients, switched = {1: None, 2: None}, []
+    viewer = SimpleNamespace(
+        _comparing=set(),
+        server=SimpleNamespace(get_clients=lambda: clients),
+        references=[SimpleNamespace(switch=switched.append)],
+    )
+    Viewer.compare(viewer, 1, True)
+    Viewer.compare(viewer, 2, True)
+    Viewer.compare(viewer, 1, False)
+    assert switched == [True, True, True]
+    del clients[2]  # it has gone without a word
+    Viewer.compare(viewer, 1, False)
+    assert switched[-1] is False
+
+
+@pytest.mark.parametrize(
+    ("host", "address"),
+    [
+        ("127.0.0.1", "http://127.0.0.1:80"),
+        ("0.0.0.0", "http://127.0.0.1:80"),
+        ("::", "http://[::1]:80"),  # a socket of IPv6 alone
+        ("::1", "http://[::1]:80"),
+        ("desk.example", "http://desk.example:80"),
+    ],
+)
+def test_the_address_that_is_printed_is_one_that_answers(host, address):
+    assert url(host, 80) == address

@@ -93,6 +93,7 @@ class LiveClient:
     hello: schema.Hello
 
     def __init__(self, url: str, *, token: str | None = None) -> None:
+        shown = url.partition("?")[0]  # without its token
         headers = {"Authorization": f"Bearer {token}"} if token is not None else None
         try:
             self._connection = websocket.connect(
@@ -109,13 +110,13 @@ class LiveClient:
             raise InputError(f"url: {error}; expected such as ws://127.0.0.1:8765") from None
         except InvalidStatus as error:
             said = (error.response.body or b"").decode("utf-8", "replace").strip()
-            raise FileError(f"{url}: refused ({said or error})") from None
+            raise FileError(f"{shown}: refused ({said or error})") from None
         except (OSError, InvalidHandshake) as error:
             raise FileError(
-                f"{url}: nothing answers there ({error}). Start halfphysics serve"
+                f"{shown}: nothing answers there ({error}). Start halfphysics serve"
             ) from None
         self._keys = itertools.count(1)
-        self.hello = self._greeted(url)
+        self.hello = self._greeted(shown)
 
     def _greeted(self, url: str) -> schema.Hello:
         """The first message; without one the connection is closed."""

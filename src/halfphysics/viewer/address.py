@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 _HERE = ("127.0.0.1", "localhost", "::1")
-_ALL = ("0.0.0.0", "", "::")
+_ALL = ("0.0.0.0", "")
 
 
 def url(host: str, port: int) -> str:
     """Address to open in a browser on this machine."""
-    host = "127.0.0.1" if host in _ALL else host
+    host = "127.0.0.1" if host in _ALL else "::1" if host == "::" else host
     return f"http://{f'[{host}]' if ':' in host else host}:{port}"
 
 

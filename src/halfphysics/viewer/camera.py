@@ -177,7 +177,7 @@ class Cameras:
         window has another shape now; and one at viser's initial camera, which fits no particular
         window: viser may apply it after the home view, and its "Reset View" goes there.
         """
-        clients = self._server.get_clients()
+        clients = self._clients()
         self._homes = {k: home for k, home in self._homes.items() if k in clients}
         for index, client in clients.items():
             if index not in self._homes:
@@ -228,7 +228,7 @@ class Cameras:
         """Move the cameras with the people; call after the stages have changed."""
         now = time.monotonic()
         dt, self._last = now - self._last, now
-        clients = self._server.get_clients() if self.following else {}
+        clients = self._clients() if self.following else {}
         self._followers = {k: f for k, f in self._followers.items() if k in clients}
         if not clients:
             return
@@ -249,6 +249,10 @@ class Cameras:
             moved = self._followers[index].move(position, look_at, subject, now, dt)
             if moved is not None:
                 _aim(client, *moved)
+
+    def _clients(self) -> dict[int, Any]:
+        """The browsers; one that reports what is no camera is passed over."""
+        return {k: c for k, c in self._server.get_clients().items() if _sound(c.camera)}
 
     def _put(self, client: Any, camera: Camera) -> None:
         self._elsewhere.add(client.client_id)
@@ -289,6 +293,14 @@ def _around(joints: Array, room: float) -> Array:
     """Corners of a cube around each joint."""
     corners = room * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
     return (joints[:, None] + corners).reshape(-1, 3)
+
+
+def _sound(camera: Any) -> bool:
+    try:
+        points = np.array([camera.position, camera.look_at], dtype=np.float64)
+    except (TypeError, ValueError):
+        return False
+    return points.shape == (2, 3) and bool(np.isfinite(points).all())
 
 
 def _window(client: Any) -> tuple[int, int]:

@@ -165,7 +165,8 @@ class Controls:
             "Open a file", icon=icon("FOLDER_OPEN"), hint="Or drop it onto the picture"
         )
 
-        def uploaded(event: Any) -> None:
+        # In the event loop: in the pool of threads the next upload may have replaced the value.
+        async def uploaded(event: Any) -> None:
             file = event.target.value
             viewer.do(lambda: viewer.take(file.name, file.content))
 
@@ -200,14 +201,14 @@ class Controls:
     def _obey(self, name: str, value: Any, client: Any) -> None:
         """Execute a command of a browser's script; a value that does not fit is ignored."""
         viewer = self._viewer
-        number = value if isinstance(value, int | float) and math.isfinite(value) else 0.0
+        number = value if isinstance(value, int | float) and math.isfinite(value) else None
         if name == "toggle":
             self._toggle()
-        elif name == "seek":
+        elif name == "seek" and number is not None:
             self._seek(number)
-        elif name == "step":
+        elif name == "step" and number is not None:
             self._step(int(number))
-        elif name == "speed":
+        elif name == "speed" and number is not None:
             self._set(speed=min(max(number, SPEEDS[0]), SPEEDS[1]))
             self._speed.value = self._timeline.speed
         elif name == "preset" and value in PRESETS:
@@ -217,7 +218,7 @@ class Controls:
         elif name == "follow":
             self._switch_follow()
         elif name == "compare":
-            viewer.do(lambda: viewer.compare(bool(value)))
+            viewer.do(lambda: viewer.compare(client.client_id, bool(value)))
 
     def _switch_follow(self) -> None:
         cameras = self._viewer.cameras
@@ -264,7 +265,8 @@ class Controls:
         self._now()
 
     def _scrubbed(self, event: Any) -> None:
-        if event.client_id is None:  # the program moved the slider
+        # The program moved the slider, or a browser sent what no slider has.
+        if event.client_id is None or not math.isfinite(self._slider.value):
             return
         self._touched = time.monotonic()
         self._timeline.seek(self._slider.value)

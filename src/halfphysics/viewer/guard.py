@@ -17,12 +17,15 @@ from halfphysics.live.safety import Gate
 TOTAL = 512 * 2**20
 
 
-def guard(server: Any, host: str) -> None:
+def guard(server: Any, host: str) -> Uploads:
     """Guard a `viser.infra.WebsockServer` that has not been started.
 
     Args:
         server: The server.
         host: The address that it listens on.
+
+    Returns:
+        The uploads that are under way.
     """
     gate, start = Gate(host), server.start
 
@@ -40,6 +43,7 @@ def guard(server: Any, host: str) -> None:
 
     server._handle_incoming_message = guarded_handle
     server.on_client_disconnect(lambda connection: uploads.forget(connection.client_id))
+    return uploads
 
 
 @contextlib.contextmanager
@@ -76,6 +80,11 @@ class Uploads:
 
     def __init__(self) -> None:
         self._left: dict[str, tuple[int, int]] = {}  # transfer -> client, bytes to come
+
+    @property
+    def under_way(self) -> bool:
+        """Whether anything is still to come."""
+        return bool(self._left)
 
     def welcome(self, client: int, message: Any) -> bool:
         """Whether a message may pass: every upload has a size, and all fit `TOTAL`."""

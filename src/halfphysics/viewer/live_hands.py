@@ -7,7 +7,7 @@ import threading
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from halfphysics.errors import HalfPhysicsError
+from halfphysics.errors import FileError, HalfPhysicsError
 from halfphysics.live.client import LiveClient, connect
 from halfphysics.live.schema import Action, Drag, Friction, Mass, SceneItem
 
@@ -39,7 +39,7 @@ class LiveHands:
         self._objects: dict[str, SceneItem] = {}
         self._asked: queue.SimpleQueue[Action] = queue.SimpleQueue()
         self._ending = threading.Event()
-        self._client = self._connected()
+        self._client: LiveClient | None = self._connected()
         self._thread = threading.Thread(target=self._run, name="halfphysics-hands", daemon=True)
         self._thread.start()
 
@@ -69,13 +69,17 @@ class LiveHands:
         """Let go of everything and close the connection."""
         self._ending.set()
         self._thread.join()
-        self._client.close()
+        self._leave()
 
     # -- inside ------------------------------------------------------------------------------
 
     def _connected(self) -> LiveClient:
         client = connect(self._view.reader.url)
-        client.subscribe(rate=0.0)
+        try:
+            client.subscribe(rate=0.0)
+        except BaseException:
+            client.close()
+            raise
         return client
 
     def _read(self) -> None:
@@ -117,10 +121,19 @@ class LiveHands:
 
     def _send(self, action: Action) -> None:
         try:
+            if self._client is None:
+                self._client = self._connected()
             self._client.edit(action)
             self.trouble = ""
         except HalfPhysicsError as error:
             self.trouble = str(error)
+            if isinstance(error, FileError):  # a new connection for the next edit
+                self._leave()
+
+    def _leave(self) -> None:
+        if self._client is not None:
+            self._client.close()
+            self._client = None
 
 
 def newest(actions: Sequence[Action]) -> list[Action]:

@@ -82,7 +82,7 @@ class LivePanel:
         late = "" if numbers.age is None else f", {1e3 * max(numbers.age, 0.0):.1f} ms old"
         trip = "" if numbers.trip is None else f", round trip {1e3 * numbers.trip:.1f} ms"
         lines = [
-            f"**{reader.url}**",
+            f"**{reader.address}**",
             f"{numbers.rate:.0f} of {reader.hello.fps:.0f} frames/s heard{late}{trip}",
             f"lost {numbers.lost}, not shown {view.skipped}, shown {view.shown}",
         ]

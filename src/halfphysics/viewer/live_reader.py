@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from halfphysics.errors import HalfPhysicsError
+from halfphysics.errors import FileError, HalfPhysicsError
 from halfphysics.live.client import LiveClient, LiveFrame, connect
 from halfphysics.live.schema import Hello, Part
 
@@ -82,6 +82,7 @@ class LiveReader:
 
     Attributes:
         url: As given.
+        address: The same without its token.
         hello: People and scene as they are now.
         scenes: Number of changes of people or scene.
         frame: The newest frame.
@@ -94,7 +95,7 @@ class LiveReader:
     """
 
     def __init__(self, url: str, woken: Callable[[], None] = lambda: None) -> None:
-        self.url = url
+        self.url, self.address = url, url.partition("?")[0]
         self.woken = woken
         self.numbers = Numbers()
         self.scenes = 0
@@ -121,13 +122,19 @@ class LiveReader:
             client.subscribe(_PARTS if all(i.soft is None for i in items) else _SOFT_PARTS)
             self.numbers.connected()
             self._ping(client)
-            self.frame = client.receive(timeout=_WAIT)
+            self.frame = self._first(client)
         except BaseException:
             client.close()
             raise
         self._client, self.hello, self._scene = client, client.hello, client.hello.objects
         self.scenes += 1
         self.trouble = ""
+
+    def _first(self, client: LiveClient) -> LiveFrame:
+        try:
+            return client.receive(timeout=_WAIT)
+        except TimeoutError:
+            raise FileError(f"{self.address}: no frame came within {_WAIT:g} s") from None
 
     def _run(self) -> None:
         pinged = time.perf_counter()
@@ -172,6 +179,6 @@ class LiveReader:
             return
         try:
             self._open()
-        except (HalfPhysicsError, TimeoutError) as error:
+        except HalfPhysicsError as error:
             self.trouble = str(error)
         self.woken()

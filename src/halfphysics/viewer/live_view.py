@@ -84,7 +84,7 @@ class LiveView(Served):
             self.hands.close()
 
     def __repr__(self) -> str:
-        return f"LiveView({self.reader.url}: {self._state})"
+        return f"LiveView({self.reader.address}: {self._state})"
 
     # -- by its own thread -------------------------------------------------------------------
 
@@ -197,7 +197,7 @@ class LiveView(Served):
         """Tell the script of the page who is there."""
         self.remote.tell(
             data={
-                "title": f"{self.reader.url} | halfphysics",
+                "title": f"{self.reader.address} | halfphysics",
                 "ramp": [list(color) for color in RAMP],
                 "people": [figure.name for figure in self.stage.people],
                 "of": [],

@@ -30,6 +30,7 @@ from halfphysics.viewer.reel import Recording, reel
 from halfphysics.viewer.server import close_server, open_server
 from halfphysics.viewer.stage import Stage, aim, light, middle
 from halfphysics.viewer.theme import style
+from halfphysics.viewer.whereabouts import starts
 
 if TYPE_CHECKING:
     from halfphysics.motion.motion import Motion
@@ -121,6 +122,7 @@ def save_page(
             "layers": layer_data(stages, support),
             "key": key(drawings, contacts, support, notes),
             "body": body_data(results[0].people[0].body),
+            "starts": starts(drawings, row.offsets).round(3).tolist(),
             "reel": reel(Recording(recorded), len(frames), step / fps),
             "dents": [one for stage in stages for one in dent_document(stage, step)],
         }

@@ -8,6 +8,7 @@ by the server, what changes with every frame.
 from __future__ import annotations
 
 import json
+import secrets
 import time
 from collections.abc import Callable
 from typing import Any
@@ -30,7 +31,8 @@ class Remote:
 
     def __init__(self, gui: Any, act: Act) -> None:
         self._act = act
-        self._told: dict[str, Any] = {}
+        # A page that connects again, to another server or a scene built anew, has to notice.
+        self._told: dict[str, Any] = {"scene": secrets.token_hex(8)}
         self._since = 0.0
         self._heard = gui.add_text(f"{_LABEL}-out", "", visible=False)
         self._tells = gui.add_text(f"{_LABEL}-in", "", visible=False)

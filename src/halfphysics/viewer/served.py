@@ -67,6 +67,7 @@ class Served(Bound, ABC):
         self._wake = threading.Event()
         self._tasks: queue.SimpleQueue[Callable[[], object]] = queue.SimpleQueue()
         self._failure: BaseException | None = None
+        self._waiting = False  # whether `wait` will raise it
         self._thread = threading.Thread(target=self._run, name="halfphysics-served", daemon=True)
 
     # -- from any thread ---------------------------------------------------------------------
@@ -119,6 +120,7 @@ class Served(Bound, ABC):
         Raises:
             KeyboardInterrupt: Ctrl-C; serving has been stopped.
         """
+        self._waiting = True
         try:
             while not self._stopping.wait(_LOOK):
                 if self._failure is not None:
@@ -187,3 +189,5 @@ class Served(Bound, ABC):
                 self._round()
         except BaseException as error:
             self._failure = error
+            if not self._waiting:  # nobody would hear of it
+                raise

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import queue
 import time
-from collections.abc import Collection
-from dataclasses import dataclass, fields, replace
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
 from halfphysics.body.body import Body
@@ -42,6 +42,29 @@ class Choose:
 
     def do(self, session: Session) -> None:
         session.choose(self.choice)
+
+
+@dataclass(frozen=True)
+class Vary:
+    """Change the motion, or options, of the choice that there is then.
+
+    Attributes:
+        motion: The motion; None: as it is.
+        options: Options to set.
+        scenario: Whose options these are: another one is left alone. None: of any.
+    """
+
+    motion: str | None = None
+    options: Mapping[str, float] = field(default_factory=dict)
+    scenario: str | None = None
+
+    def do(self, session: Session) -> None:
+        now = session.choice
+        if self.scenario not in (None, now.scenario):
+            return
+        motion = now.motion if self.motion is None else self.motion
+        options = {**now.options, **self.options}
+        session.choose(replace(now, motion=motion, options=options))
 
 
 @dataclass(frozen=True)
@@ -157,7 +180,10 @@ def _supersedes(later: Command, command: Command) -> bool:
         return (later.name, later.item) == (command.name, command.item)
     if isinstance(later, Pull) and isinstance(command, Pull):
         return later.key == command.key
-    return isinstance(later, Choose) and isinstance(command, Choose)
+    if isinstance(later, Vary) and isinstance(command, Vary):
+        same = later.scenario == command.scenario and (later.motion or not command.motion)
+        return bool(same) and later.options.keys() >= command.options.keys()
+    return isinstance(later, Choose) and isinstance(command, Choose | Vary)
 
 
 #: Smallest and largest speed, in multiples of the motion's own rate.

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
-from halfphysics.viewer.guard import guard
+from halfphysics.viewer.guard import Uploads, guard
 from halfphysics.viewer.player_script import served_head
 
 _PATCHING = threading.Lock()
@@ -21,7 +21,10 @@ class SiteRoot:
 
     Attributes:
         folder: The folder, removed by `close`.
+        uploads: What browsers are sending; None: no server serves the folder.
     """
+
+    uploads: Uploads | None = None
 
     def __init__(self) -> None:
         import viser
@@ -45,7 +48,7 @@ class SiteRoot:
 
         with _PATCHING:
             theirs = viser.infra.WebsockServer
-            ours = partial(_with_root, theirs, self.folder)
+            ours = partial(_with_root, theirs, self)
             viser.infra.WebsockServer = ours  # type: ignore[misc, assignment]
             try:
                 yield
@@ -64,7 +67,7 @@ class SiteRoot:
         shutil.rmtree(self.folder, ignore_errors=True)
 
 
-def _with_root(server: type, root: Path, host: str, *args: object, **options: object) -> object:
-    made = server(host, *args, **{**options, "http_server_root": root})
-    guard(made, host)
+def _with_root(server: type, root: SiteRoot, host: str, *args: object, **options: object) -> object:
+    made = server(host, *args, **{**options, "http_server_root": root.folder})
+    root.uploads = guard(made, host)
     return made

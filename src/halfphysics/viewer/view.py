@@ -38,6 +38,8 @@ MOST = 6
 _FIRST = "first"
 # Browsers have this time to leave before the scene is taken apart [s].
 _LEAVE = 3.0
+# A file is shown although others are on their way, after this time [s].
+_PATIENCE = 30.0
 # Least time between updates [s]: allows 30 per second with some jitter.
 _SPACING = 1.0 / 40.0
 # Interval between checks for browsers and for `stop` [s].
@@ -81,7 +83,10 @@ class Viewer(Served):
         self._what = f"showing {_and(self.labels)}"
         self._last = -math.inf  # time of the last update
         self._loads = 0  # how often the scene was built anew
+        self._comparing: set[int] = set()  # browsers that show two halves
         self._dropped = Dropped()
+        self._added: list[tuple[str, Drawing]] = []  # of files, to be shown with the next scene
+        self._read = -math.inf  # when the last file was read
         super().__init__(title, host, port)
         with self._starting():
             self._set_up([Drawing(result) for result in shown])
@@ -114,23 +119,34 @@ class Viewer(Served):
         self.lights.follow(self.cameras.subject())
 
     def take(self, name: str, content: bytes) -> None:
-        """Show a dropped file beside what is shown; what is wrong with it is said in the page.
+        """Read a dropped file, to be shown; what is wrong with it is said in the page.
 
-        By the viewer's own thread. Browsers load the page anew: viser's cannot follow when a scene
-        is taken apart.
+        By the viewer's own thread.
         """
         remote = self.controls.remote
         try:
-            if len(self.stages) >= MOST:
+            if len(self.stages) + len(self._added) >= MOST:
                 raise InputError(f"{name}: {MOST} results are shown already, no more fit")
             remote.say(f"Reading {name} ...")
-            drawing = self._dropped.read(name, content)
+            self._added.append((Path(name).stem, self._dropped.read(name, content)))
         except HalfPhysicsError as error:
             remote.say(str(error))
+        self._read = time.monotonic()
+
+    def _show_added(self) -> None:
+        """Show what was read beside what is shown, once no more is on its way.
+
+        Browsers load the page anew: viser's cannot follow when a scene is taken apart.
+        """
+        uploads = None if self._root is None else self._root.uploads
+        coming = uploads is not None and uploads.under_way
+        if not self._added or (coming and time.monotonic() - self._read < _PATIENCE):
             return
-        drawings = [*(stage.drawing for stage in self.stages), drawing]
+        drawings = [*(stage.drawing for stage in self.stages), *(one for _, one in self._added)]
         first = self.labels if len(self.labels) > 1 or self._named else (_FIRST,)
-        self.labels = (*first, Path(name).stem)
+        self.labels = (*first, *(name for name, _ in self._added))
+        self._added.clear()
+        remote = self.controls.remote
         self._loads += 1
         remote.tell(loads=self._loads)
         end = time.monotonic() + _LEAVE
@@ -140,10 +156,15 @@ class Viewer(Served):
         self.server.gui.reset()
         self._set_up(drawings)
 
-    def compare(self, on: bool) -> None:
-        """Send the poses of the references, which are drawn in one half of a picture, or none."""
+    def compare(self, client: int, on: bool) -> None:
+        """A browser draws the references in one half of its picture, or no more.
+
+        Their poses are sent while any browser does.
+        """
+        there = self._comparing & set(self.server.get_clients())
+        self._comparing = there | {client} if on else there - {client}
         for references in self.references:
-            references.switch(on)
+            references.switch(bool(self._comparing))
 
     def stop(self) -> None:
         """Stop serving; browsers lose the connection. Further calls have no effect."""
@@ -206,6 +227,7 @@ class Viewer(Served):
 
     def _round(self) -> None:
         self._do_tasks()
+        self._show_added()
         # Without a browser time goes on, but nothing is sent.
         if self.server.get_clients() and self._update():
             self._last = time.monotonic()

@@ -57,6 +57,16 @@ def track(drawings: Sequence[Drawing], offsets: Array, frames: Sequence[int]) ->
     )
 
 
+def starts(drawings: Sequence[Drawing], offsets: Array) -> Array:
+    """Pelvises of all people in the first frame (people, 3) [m], in the world."""
+    return np.concatenate(
+        [
+            [person.body.joints(person.motion)[0, 0] + offset for person in drawing.result.people]
+            for drawing, offset in zip(drawings, offsets, strict=True)
+        ]
+    )
+
+
 def goes_far(boxes: Array) -> bool:
     """Whether people of `track` go, part or meet so far that a camera should go along."""
     return bool(np.ptp(boxes[:, [0, 1, 3, 4]], axis=0).max() > GOES)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -111,9 +110,10 @@ class Panel:
         return self._session.choice.options.get(option.name, option.value)
 
     def _choose_option(self, name: str) -> Callable[[Any], do.Command]:
+        scenario = self._session.choice.scenario
+
         def chosen(value: float) -> do.Command:
-            choice = self._session.choice
-            return do.Choose(replace(choice, options={**choice.options, name: value}))
+            return do.Vary(options={name: value}, scenario=scenario)
 
         return chosen
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 from halfphysics.viewer import session as do
@@ -95,4 +94,4 @@ class Player:
         return do.Choose(Choice(name))
 
     def _choose_motion(self, name: str) -> do.Command:
-        return do.Choose(replace(self._session.choice, motion=name))
+        return do.Vary(motion=name)

@@ -30,7 +30,10 @@ class Bar {
     this.track = make("div", { id: "hp-track", role: "slider", tabindex: "0",
       "aria-label": "Time", "aria-valuemin": "0" }, this.rows, this.head, this.tip);
     this.speed = make("select", { id: "hp-speed", title: "Speed", "aria-label": "Speed",
-      onchange: () => clock.setSpeed(Number(this.speed.value)) },
+      onchange: () => {
+        clock.setSpeed(Number(this.speed.value));
+        this.speed.blur(); // the keys are the bar's again
+      } },
       ...SPEEDS.map((speed) => make("option", { value: speed }, `${speed}×`)));
     this.speed.value = "1";
     this.extra = make("div", { id: "hp-extra" });

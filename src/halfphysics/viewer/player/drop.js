@@ -1,5 +1,6 @@
 // Files that are dropped onto the scene. A page shows them itself; `view` sends them to its server.
 
+/** @param take What to do with the files of one drop. */
 function listenToDrops(take) {
   const over = make("div", { id: "hp-over", hidden: "" }, make("span", {}, "Let go to see it"));
   document.body.append(over);
@@ -19,7 +20,7 @@ function listenToDrops(take) {
     event.preventDefault();
     depth = 0;
     over.hidden = true;
-    for (const file of event.dataTransfer.files) await take(file);
+    await take([...event.dataTransfer.files]);
   });
 }
 
@@ -31,11 +32,9 @@ function tooLarge(file) {
   return true;
 }
 
-async function sendToServer(file) {
-  if (tooLarge(file)) return;
+async function sendToServer(files) {
   if (!wire.upload) return say("A running simulation takes no files. Use: halfphysics play FILE");
-  say(`Sending ${file.name} ...`, 60);
-  await upload(file);
+  await upload(files.filter((file) => !tooLarge(file)));
 }
 
 /** Whole numbers whose bytes stand apart: the lowest of all numbers, then the second ones, ... */
@@ -58,6 +57,10 @@ class PageDrops {
       }
       return false;
     });
+  }
+
+  async takeAll(files) {
+    for (const file of files) await this.take(file);
   }
 
   async take(file) {
@@ -83,7 +86,7 @@ class PageDrops {
   /** Adds a person; true: they were moved aside. */
   add(motion, body) {
     const person = new FurtherPerson(motion, body, this.like, this.people.length);
-    const there = [trackAt(0).middle, ...this.people.map((other) => other.pelvis(0))];
+    const there = [...data.starts, ...this.people.map((other) => other.pelvis(0))];
     const near = () => there.some((p) =>
       Math.hypot(p[0] - person.pelvis(0)[0], p[1] - person.pelvis(0)[1]) < APART);
     while (near()) person.offset = add(person.offset, [ASIDE, 0, 0]);

@@ -29,21 +29,26 @@ const help = {
   },
 };
 
-/** Whether a key is for what has the focus: a field to type in, or a list. */
-function typing(target) {
-  return target instanceof Element && (target.isContentEditable ||
-    (/^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName) && target.type !== "checkbox" &&
-      target.type !== "radio"));
+const AWAY = /^(Arrow|Home$|End$|Page)/; // keys that move along a slider, a list, or in time
+
+/** Whether a key is for what has the focus: a field to type in, a list, a slider. */
+function typing(target, key) {
+  if (!(target instanceof Element)) return false;
+  if (target.isContentEditable) return true;
+  if (target.type === "range") return AWAY.test(key);
+  return /^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName) && target.type !== "checkbox" &&
+    target.type !== "radio";
 }
 
 function listenToKeys(actions) {
   addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || typing(event.target)) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || typing(event.target, event.key)) return;
     const action = actions[event.key];
     if (!action) return;
     // viser has keys of its own: of each press, one of the two acts.
     event.preventDefault();
     event.stopImmediatePropagation();
-    action();
+    // A key that is held goes on through time; it does not switch to and fro.
+    if (!event.repeat || AWAY.test(event.key)) action();
   }, true);
 }

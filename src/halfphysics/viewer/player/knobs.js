@@ -27,7 +27,8 @@ class Slider {
 
   write(value = this.value) {
     const digits = value >= 100 ? 0 : value >= 10 ? 1 : this.digits;
-    this.text.textContent = `${value.toFixed(digits)}${this.suffix}`;
+    const shown = this.log && value < 0.1 ? value.toPrecision(2) : value.toFixed(digits);
+    this.text.textContent = `${shown}${this.suffix}`;
   }
 }
 
@@ -36,8 +37,9 @@ class Knobs {
     this.physics = physics;
     const { play } = physics;
     this.stiffness = new Slider("Stiffness λ", { low: 0, high: 10 }, (value) => physics.turn("stiffness", value));
-    const heavy = Math.max(0, ...play.objects.map((one) => one.mass || 0));
-    this.mass = new Slider("Mass", { low: 0.01, high: Math.max(200, 20 * heavy), scale: "log", unit: " kg" },
+    const masses = play.objects.map((one) => one.mass || 0).filter((mass) => mass > 0);
+    const [light, heavy] = [Math.min(0.01, ...masses), Math.max(0, ...masses)];
+    this.mass = new Slider("Mass", { low: light, high: Math.max(200, 20 * heavy), scale: "log", unit: " kg" },
       (value) => physics.turn("mass", value, this.object));
     this.friction = new Slider("Friction μ", { low: 0, high: 2 },
       (value) => physics.turn("friction", value, this.object));

@@ -17,6 +17,12 @@ function frameLoop(task) {
   requestAnimationFrame(next);
 }
 
+/** Whether the first picture is still to go, which an event will tell; it fades for a moment after that. */
+function pictureStands() {
+  const first = document.getElementById("first");
+  return Boolean(first) && first.style.opacity !== "0";
+}
+
 const setVisible = (name, visible) =>
   viser.messageQueue.push({ type: "SetSceneNodeVisibilityMessage", name, owner: "", visible });
 
@@ -73,12 +79,12 @@ async function startPage(packed) {
     compare.setChoices(data.compare);
     listenToKeys({ ...commonKeys(clock, compare), f: follow, 0: () => cameras.home(frame()),
       ...Object.fromEntries(PRESETS.map((name, k) => [`${k + 1}`, () => cameras.preset(name, frame())])) });
-    listenToDrops((file) => drops.take(file));
+    listenToDrops((files) => drops.takeAll(files));
     let painted = -1;
     whenReady(() => {
       // The first picture stands until viser has drawn the scene (viewer/first_picture.py).
       const begin = () => (clock.playing = true);
-      if (document.getElementById("first")) addEventListener("first-picture", begin, { once: true });
+      if (pictureStands()) addEventListener("first-picture", begin, { once: true });
       else begin();
       frameLoop(() => {
         const duration = Math.max((reel.frames - 1) / data.fps, drops.seconds);
@@ -149,11 +155,13 @@ function startServed() {
     let skin = null; // contacts of all frames, of each result
     let points = []; // or those of now, of each person
     let painted = "";
-    let loads = null;
+    let [scene, loads] = [null, null];
     let last = "";
     heard.push(async (said) => {
-      // The server builds its scene anew, which a page that is open cannot follow.
+      // The server builds its scene anew, or is another one: a page that is open cannot follow.
+      if (scene !== null && said.scene && said.scene !== scene) return location.reload();
       if (loads !== null && "loads" in said && said.loads !== loads) return location.reload();
+      if (said.scene) scene = said.scene;
       if ("loads" in said) loads = said.loads;
       if (said.clock) clock.hear(said.clock);
       if (!said.points) {
@@ -179,6 +187,7 @@ function startServed() {
 
     whenReady(() => {
       foldSheet();
+      comeBack();
       frameLoop(() => {
         bar.refresh();
         const people = data.people || [];
@@ -199,6 +208,21 @@ function servedPoints(skin, [result, person], time) {
   const one = skin[result];
   const frame = Math.min(Math.floor(time * one.fps + 1e-6), one.first.length - 2);
   return pointsOf(one, person, frame);
+}
+
+/**
+ * Where lights cast shadows, viser's app takes itself apart when the connection is lost, instead of connecting
+ * again: the page is loaded anew when a server answers.
+ */
+function comeBack() {
+  const root = document.getElementById("root");
+  const watch = new MutationObserver(() => {
+    if (root.childElementCount) return;
+    watch.disconnect();
+    say("The server has gone; this page looks for it.", 3600);
+    setInterval(() => fetch(location.href, { cache: "no-store" }).then(() => location.reload(), () => {}), 1000);
+  });
+  watch.observe(root, { childList: true });
 }
 
 /** On a narrow window viser's panel is a sheet over the scene: it starts folded. */

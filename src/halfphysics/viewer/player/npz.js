@@ -1,4 +1,4 @@
-// Reads the arrays of numbers in an .npz file: a zip of .npy files, stored or deflated.
+// Reads the arrays of numbers, and texts, in an .npz file: a zip of .npy files, stored or deflated.
 
 class NpzError extends Error {}
 
@@ -37,7 +37,7 @@ async function content(bytes, view, { method, size, start }) {
 const NUMBERS = { f8: Float64Array, f4: Float32Array, i8: BigInt64Array, i4: Int32Array,
   i2: Int16Array, u1: Uint8Array, i1: Int8Array, u8: BigUint64Array, u4: Uint32Array };
 
-/** An array of numbers {shape, values}, row by row; null: it holds something else. */
+/** An array of numbers {shape, values}, row by row, or a text {text}; null: it holds something else. */
 function npy(bytes) {
   const view = new DataView(bytes.buffer, bytes.byteOffset);
   if (bytes[0] !== 0x93 || bytes[1] !== 0x4e) throw new NpzError("one of its arrays is damaged");
@@ -46,6 +46,8 @@ function npy(bytes) {
   const start = (long ? 12 : 10) + length;
   const text = new TextDecoder().decode(bytes.subarray(long ? 12 : 10, start));
   const kind = /'descr':\s*'[<|=]([fiu]\d)'/.exec(text);
+  const letters = /'descr':\s*'<U(\d+)'/.exec(text);
+  if (letters) return { text: wide(bytes.slice(start, start + 4 * Number(letters[1]))) };
   const shape = (/'shape':\s*\(([^)]*)\)/.exec(text)[1].match(/\d+/g) || []).map(Number);
   if (!kind || !(kind[1] in NUMBERS)) return null;
   const count = shape.reduce((product, n) => product * n, 1);
@@ -55,6 +57,12 @@ function npy(bytes) {
   let values = Float64Array.from(new type(data.buffer), Number);
   if (/'fortran_order':\s*True/.test(text) && shape.length > 1) values = rows(values, shape);
   return { shape, values };
+}
+
+/** A text of four bytes a letter, as numpy has it. */
+function wide(bytes) {
+  const letters = new Uint32Array(bytes.buffer, 0, Math.floor(bytes.length / 4));
+  return Array.from(letters, (letter) => String.fromCodePoint(letter)).join("").replace(/\0+$/, "");
 }
 
 /** Values that stand column by column, row by row. */

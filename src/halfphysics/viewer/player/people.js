@@ -12,11 +12,13 @@ async function peopleIn(archive) {
   let fps = null;
   for (const key of FPS_KEYS) fps ||= (await get(key))?.values[0];
   const found = [];
+  let said = null;
   for (let k = 0; ; k++) {
     const prefix = k ? `person/${k}/` : "meta/";
     const [translation, rotations] = [await get(`${prefix}translation`), await get(`${prefix}rotations`)];
     if (!translation || !rotations) break;
-    found.push({ translation: translation.values, rotations: rotations.values });
+    said ||= JSON.parse((await get("meta/people"))?.text || "[]");
+    found.push({ translation: translation.values, rotations: rotations.values, axes: said[k]?.axes });
   }
   if (!found.length) {
     const [trans, poses] = [await get("trans"), await get("poses")];
@@ -70,6 +72,8 @@ class FurtherPerson {
     Object.assign(this, { motion, body, shown: -1 });
     this.name = `/dropped/${number}`;
     this.offset = [0, 0, 0];
+    // The rest pose of a motion from a y-up file is turned into the world by its axes.
+    this.rest = motion.axes ? motion.axes.map((row) => dot(row, body.joints[0])) : body.joints[0];
     const count = body.parents.length;
     viser.messageQueue.push({ type: "SkinnedMeshMessage", name: this.name, owner: "", virtual: false,
       props: { ...like, vertices: body.vertices, faces: body.faces,
@@ -82,7 +86,7 @@ class FurtherPerson {
   get seconds() { return (this.motion.frames - 1) / this.motion.fps; }
 
   pelvis(frame) {
-    return add(add(this.body.joints[0], [...this.motion.translation.subarray(3 * frame, 3 * frame + 3)]),
+    return add(add(this.rest, [...this.motion.translation.subarray(3 * frame, 3 * frame + 3)]),
       this.offset);
   }
 

@@ -23,6 +23,7 @@ class Physics {
     Object.assign(this, { world, play, translations, rotations, frames: play.frames, fps: play.fps });
     Object.assign(this, { playing: false, speed: 1, loop: true, hold: false, live: true });
     this.before = this.after = () => {}; // called before a frame with its length [s], and after it
+    this.held = () => false; // whether a pointer holds something: the loop waits for it
     this.changes = 0;
     this.turned = this.owned();
     this.restart();
@@ -41,7 +42,7 @@ class Physics {
   /** One frame. */
   make() {
     const dt = 1 / this.fps;
-    if (this.index >= this.frames - 1 && this.loop && !this.hold) return this.restart();
+    if (this.index >= this.frames - 1 && this.loop && !this.hold && !this.held()) return this.restart();
     if (!this.hold) this.index = Math.min(this.index + 1, this.frames - 1);
     this.before(dt);
     const start = performance.now();
@@ -160,7 +161,8 @@ class Physics {
     const period = 1000 / (this.fps * this.speed);
     const begun = performance.now();
     const budget = Math.max(BUDGET, begun - (this.ended ?? begun));
-    if (this.due === -Infinity) this.due = begun;
+    // Over a second between two pictures: the tab was hidden, and goes on where it was.
+    if (this.due === -Infinity || begun - this.ended > DEBT) this.due = begun;
     this.due = Math.max(this.due, begun - DEBT);
     for (let now = begun; now >= this.due - 1 && now < begun + budget; now = performance.now()) {
       this.due += period;

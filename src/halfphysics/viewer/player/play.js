@@ -116,6 +116,7 @@ function playPage(physics) {
   const scene = new PlayScene(physics);
   const marks = new LiveMarks(data.play.kinds, physics.frames);
   const pointer = new Pointer(physics, data.play.objects.filter((one) => one.free));
+  physics.held = () => Boolean(pointer.drag);
   physics.before = (dt) => pointer.pull(dt);
   physics.after = () => marks.add(physics.index, physics.contacts);
   const bar = new Bar(physics);
@@ -144,7 +145,7 @@ function playPage(physics) {
     ...Object.fromEntries(PRESETS.map((name, k) => [`${k + 1}`, () => cameras.preset(name, 1)])) });
   whenReady(() => {
     const begin = () => (physics.playing = true);
-    if (document.getElementById("first")) addEventListener("first-picture", begin, { once: true });
+    if (pictureStands()) addEventListener("first-picture", begin, { once: true });
     else begin();
     frameLoop(() => {
       physics.tick();

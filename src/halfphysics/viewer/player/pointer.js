@@ -15,22 +15,35 @@ function rayOf(event) {
   return { origin, direction: unit(add(at(0.5), origin, -1)) };
 }
 
-/** Distance along a ray to the first of the triangles; null: it meets none (Möller and Trumbore). */
-function metAt({ origin, direction }, vertices, faces) {
+/** Whether a ray meets the sphere around a mesh. */
+function near({ origin, direction }, { middle, radius }) {
+  const to = add(middle, origin, -1);
+  const along = Math.max(dot(to, direction), 0);
+  return Math.hypot(...add(to, direction, -along)) <= radius;
+}
+
+/**
+ * Distance along a ray to the first of the triangles; null: it meets none (Möller and Trumbore). In
+ * plain numbers: large meshes have 100,000 triangles, and arrays of each would be ten times as slow.
+ */
+function metAt({ origin: [ox, oy, oz], direction: [dx, dy, dz] }, vertices, faces) {
   let first = null;
-  const corner = (k) => [vertices[3 * faces[k]], vertices[3 * faces[k] + 1], vertices[3 * faces[k] + 2]];
   for (let k = 0; k < faces.length; k += 3) {
-    const a = corner(k);
-    const [one, two] = [add(corner(k + 1), a, -1), add(corner(k + 2), a, -1)];
-    const p = cross(direction, two);
-    const scale = dot(one, p);
+    const [a, b, c] = [3 * faces[k], 3 * faces[k + 1], 3 * faces[k + 2]];
+    const ax = vertices[a], ay = vertices[a + 1], az = vertices[a + 2];
+    const bx = vertices[b] - ax, by = vertices[b + 1] - ay, bz = vertices[b + 2] - az;
+    const cx = vertices[c] - ax, cy = vertices[c + 1] - ay, cz = vertices[c + 2] - az;
+    const px = dy * cz - dz * cy, py = dz * cx - dx * cz, pz = dx * cy - dy * cx;
+    const scale = bx * px + by * py + bz * pz;
     if (Math.abs(scale) < 1e-14) continue;
-    const from = add(origin, a, -1);
-    const u = dot(from, p) / scale;
-    const q = cross(from, one);
-    const v = dot(direction, q) / scale;
-    const t = dot(two, q) / scale;
-    if (u >= 0 && v >= 0 && u + v <= 1 && t > 0 && (first === null || t < first)) first = t;
+    const fx = ox - ax, fy = oy - ay, fz = oz - az;
+    const u = (fx * px + fy * py + fz * pz) / scale;
+    if (u < 0 || u > 1) continue;
+    const qx = fy * bz - fz * by, qy = fz * bx - fx * bz, qz = fx * by - fy * bx;
+    const v = (dx * qx + dy * qy + dz * qz) / scale;
+    if (v < 0 || u + v > 1) continue;
+    const t = (cx * qx + cy * qy + cz * qz) / scale;
+    if (t > 0 && (first === null || t < first)) first = t;
   }
   return first;
 }
@@ -63,7 +76,7 @@ class Pointer {
       const own = { origin: turned(back, add(ray.origin, position, -1)),
         direction: turned(back, ray.direction) };
       const mesh = meshOf(object.node);
-      let far = mesh && metAt(own, mesh.vertices, mesh.faces);
+      let far = mesh && (near(own, mesh) ? metAt(own, mesh.vertices, mesh.faces) : null);
       if (far === null || far === undefined) far = this.nearly(event, ray, position);
       if (far !== null && (!found || far < found.far)) found = { object, far };
     }
@@ -91,9 +104,7 @@ class Pointer {
   move(event) {
     const { drag } = this;
     if (!drag) {
-      if (event.pointerType === "mouse" && event.target === viser.canvas && !event.buttons) {
-        viser.canvas.style.cursor = this.under(event) ? "grab" : "";
-      }
+      if (event.pointerType === "mouse" && event.target === viser.canvas && !event.buttons) this.hover(event);
       return;
     }
     if (event.pointerId !== drag.id) return;
@@ -102,6 +113,17 @@ class Pointer {
     const along = dot(direction, drag.normal);
     if (along < 0.05) return;
     drag.pointer = add(origin, direction, dot(add(drag.grip, origin, -1), drag.normal) / along);
+  }
+
+  /** Shows whether something can be taken, once a picture: a mouse may move more often. */
+  hover(event) {
+    if (!this.hovered) {
+      requestAnimationFrame(() => {
+        if (!this.drag) viser.canvas.style.cursor = this.under(this.hovered) ? "grab" : "";
+        this.hovered = null;
+      });
+    }
+    this.hovered = event;
   }
 
   letGo(event) {
@@ -130,7 +152,7 @@ class Pointer {
   }
 }
 
-/** Vertices and faces of a node's mesh, in the node's frame; undefined: it is not drawn yet. */
+/** Vertices and faces of a node's mesh, and a sphere around it, in the node's frame; undefined: it is not drawn yet. */
 function meshOf(name) {
   const known = meshOf.known.get(name);
   if (known) return known;
@@ -142,7 +164,22 @@ function meshOf(name) {
       if (index) found ||= { vertices: part.geometry.getAttribute("position").array, faces: index.array };
     });
   }
-  if (found) meshOf.known.set(name, found);
+  if (found) meshOf.known.set(name, Object.assign(found, sphere(found.vertices)));
   return found;
 }
 meshOf.known = new Map();
+
+/** A sphere around points: about the middle of their box. */
+function sphere(points) {
+  const [low, high] = [[0, 0, 0].fill(Infinity), [0, 0, 0].fill(-Infinity)];
+  for (let k = 0; k < points.length; k++) {
+    low[k % 3] = Math.min(low[k % 3], points[k]);
+    high[k % 3] = Math.max(high[k % 3], points[k]);
+  }
+  const middle = low.map((x, k) => (x + high[k]) / 2);
+  let radius = 0;
+  for (let k = 0; k < points.length; k += 3) {
+    radius = Math.max(radius, Math.hypot(points[k] - middle[0], points[k + 1] - middle[1], points[k + 2] - middle[2]));
+  }
+  return { middle, radius };
+}

@@ -103,6 +103,16 @@ def test_rates_of_every_value_of_a_factor():
     assert found["input"][0]["failed"] == 1
 
 
+def test_values_of_all_types_have_one_order():
+    ordered = [None, False, True, -1.5, 0, 1, 2.5, "", "a"]
+    for seed in range(3):
+        values = random.Random(seed).sample(ordered, len(ordered))
+        card = whole([counted([sample(k, factors={"x": v}) for k, v in enumerate(values)])])
+        rows = card.document()["factors"]["x"]
+        assert [json.dumps(row["value"]) for row in rows] == [json.dumps(v) for v in ordered]
+        assert "| None | 1 |" in card.markdown()
+
+
 def test_many_values_are_told_in_bins():
     found = whole(made(range(400))).document()["factors"]
     rows = found["objects.friction"]

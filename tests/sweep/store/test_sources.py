@@ -8,6 +8,7 @@ import os
 import pytest
 
 from halfphysics.errors import HalfPhysicsWarning, InputError
+from halfphysics.sweep.plan.plan import Plan
 from halfphysics.sweep.store.sources import Sources
 from halfphysics.sweep.store.store import Store
 from support.sweeps.sweep_shards import make, make_batch, plan_of
@@ -96,3 +97,24 @@ def test_inputs_that_change_while_they_are_read(tmp_path):
         with pytest.raises(InputError, match=r"a\.npz: changed while the sweep read it"):
             store.seal(0)
         assert store.left(0) == [0, 1, 2]
+
+
+@pytest.mark.parametrize("linked", ["out", "proj"])
+def test_inputs_are_found_again_from_a_linked_folder(tmp_path, monkeypatch, linked):
+    """A worker reads the plan in the folder of results, whose base leads over the link."""
+    monkeypatch.setattr("halfphysics.sweep.store.store._CLOCKS", -60_000_000_000)
+    (tmp_path / "far" / "away").mkdir(parents=True)
+    (tmp_path / linked).symlink_to(tmp_path / "far" / "away")
+    (tmp_path / "proj").mkdir(exist_ok=True)
+    plan, out = plan_of(tmp_path / "proj"), tmp_path / "out"
+    with Store(out, plan, "this") as store:
+        there = Plan.load(out / "plan.yaml")
+        worker = Store(out, there, "this")
+        sha = digest(tmp_path / "proj" / "a.npz")
+        for batch in store.batches(0):
+            make_batch(worker, batch, inputs={str(there.base / "a.npz"): sha})
+        worker.seal(0)
+    monkeypatch.setattr("hashlib.file_digest", None)  # nothing is read again
+    with Store(out, plan, "this") as store:
+        assert store.record(0)["inputs"] == {"a.npz": sha}
+        assert store.done(0)

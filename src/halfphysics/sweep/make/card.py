@@ -20,6 +20,7 @@ from halfphysics.base import rotations as rot
 from halfphysics.baselines import options_of
 from halfphysics.results.layer_pressure import pressures
 from halfphysics.sweep.make.provenance import versions
+from halfphysics.sweep.make.source_name import source_name
 from halfphysics.sweep.plan.plan import OF_SUPPORT
 
 if TYPE_CHECKING:
@@ -248,9 +249,9 @@ def _travel(result: Result, name: str) -> dict[str, float | None]:
 
 def _source(source: Mapping[str, str], variant: Variant, base: Path) -> dict[str, str]:
     """A source file: its path as in the plan, or its name if the plan has no path of it."""
-    path = os.path.abspath(os.path.join(base, source["path"]))
+    path = source_name(source["path"], base)
     said = {
-        os.path.abspath(where): name
+        source_name(where, base): name
         for where, name in (
             (variant.input.path, variant.input.name),
             (variant.scene.path, variant.scene.file),
@@ -258,11 +259,7 @@ def _source(source: Mapping[str, str], variant: Variant, base: Path) -> dict[str
         )
         if where is not None and name is not None
     }
-    name = said.get(path, os.path.basename(path))
-    # The folder may be a link, and a path may have been resolved to its target.
-    for root in (os.path.abspath(base), os.path.realpath(base)):
-        if path not in said and Path(path).is_relative_to(root):
-            name = Path(path).relative_to(root).as_posix()
+    name = said.get(path, os.path.basename(path) if os.path.isabs(path) else path)
     return {"path": name, "sha256": source["sha256"]}
 
 

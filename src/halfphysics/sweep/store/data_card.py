@@ -17,6 +17,7 @@ from halfphysics.sweep.store.counting import COUNTED, Bins, Counts, Spread, Tabl
 
 if TYPE_CHECKING:
     from halfphysics.sweep.plan.plan import Plan
+    from halfphysics.sweep.plan.values import Value
 
 #: Version of the layout of counts and of the data card.
 VERSION = 1
@@ -68,7 +69,7 @@ class _Factor:
         """Counts by value or by bin; None if there are too many values that are text."""
         if self.values.rows is not None:
             known = ((json.loads(text), counts) for text, counts in self.values.rows.items())
-            ordered = sorted(known, key=lambda row: (isinstance(row[0], str), row[0]))
+            ordered = sorted(known, key=lambda row: _order(row[0]))
             return [
                 {"value": value, **dict(zip(COUNTED, counts, strict=True))}
                 for value, counts in ordered
@@ -233,6 +234,15 @@ def counted(
         card.failure(one)
     card.skip(skipped)
     return card.sums()
+
+
+def _order(value: Value) -> tuple[int, Any]:
+    """A key that sorts values of all types: null, false and true, numbers, texts."""
+    if value is None:
+        return 0, 0
+    if isinstance(value, bool):
+        return 1, value
+    return (3, value) if isinstance(value, str) else (2, value)
 
 
 def _kind(cause: str) -> str:

@@ -6,7 +6,6 @@ with the same size and date is not read again.
 
 from __future__ import annotations
 
-import os
 import stat
 import warnings
 from collections import OrderedDict
@@ -16,6 +15,7 @@ from typing import TypeVar
 
 from halfphysics.base.digests import sha256_of
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
+from halfphysics.sweep.make.source_name import source_name
 
 T = TypeVar("T")
 
@@ -34,8 +34,7 @@ class Sources:
     """
 
     def __init__(self, since: int, base: Path = Path()) -> None:
-        self._base = os.path.abspath(base)
-        self._real = os.path.realpath(base)
+        self._base = Path(base).absolute()
         self._since = since
         self._seen: OrderedDict[str, list[int]] = OrderedDict()
         self._warned: set[str] = set()
@@ -43,17 +42,10 @@ class Sources:
 
     def named(self, inputs: Mapping[str, str]) -> dict[str, str]:
         """Paths relative to the plan: the names stay valid if plan and files are moved together."""
-        return {self._name(path): digest for path, digest in sorted(inputs.items())}
-
-    def _name(self, path: str) -> str:
-        whole = os.path.abspath(os.path.join(self._base, path))
-        for base in (self._base, self._real):
-            if whole.startswith(os.path.join(base, "")):
-                return Path(whole).relative_to(base).as_posix()
-        return Path(whole).as_posix()
+        return {source_name(path, self._base): digest for path, digest in sorted(inputs.items())}
 
     def _path(self, name: str) -> Path:
-        return Path(self._base, name)
+        return self._base / name
 
     def stats(self, inputs: Mapping[str, str]) -> dict[str, list[int]]:
         """Size and date of the files that have not changed since the run began."""

@@ -233,6 +233,38 @@ def test_a_sweep_that_is_not_finished_can_be_verified(tmp_path):
     assert "delete it and run the sweep" in text
 
 
+def test_samples_are_found_where_nearly_all_variants_have_none(sweep, monkeypatch):
+    """No drawn variant has a sample: a sample is compared nevertheless."""
+    monkeypatch.setattr("halfphysics.sweep.report.verify._TRIES", 1)
+    reports = [verify(sweep, count=1, seed=seed) for seed in range(8)]
+    assert [report.equal for report in reports] == [1] * 8
+    assert {report.out for report in reports} == {0, 1}
+
+
+def test_a_batch_without_samples_is_verified_before_its_shard_is_sealed(tmp_path):
+    """Its fragment has no bytes."""
+    text = "inputs: {scenarios: kick_ball}\nfactors: {scenario.fps: [10], motion.yaw: [0, 1]}\n"
+    (tmp_path / "plan.yaml").write_text(f"{text}keep: motion.yaw > 0\noutputs: {{batch: 1}}\n")
+    with Store(tmp_path / "out", Plan.load(tmp_path / "plan.yaml")) as store:
+        for batch in range(store.layout.batches):
+            assert do(str(tmp_path / "out"), Task("batches", 0, batch)).stop == ""
+        assert store.layout.fragment(0).stat().st_size == 0
+    opened.cache_clear()
+    assert str(verify(tmp_path / "out")) == "1 sample(s) made again are equal bit by bit"
+
+
+def test_every_shard_that_cannot_be_read_is_listed(sweep):
+    first, second = (sweep / f"shards/00000/00000000{k}.tar" for k in (0, 1))
+    first.unlink()
+    second.write_bytes(second.read_bytes()[:5000])
+    text = differences(sweep)
+    assert "2 difference(s)" in text
+    (line,) = (line for line in text.splitlines() if str(first) in line)
+    assert line.endswith(": cannot be read (No such file or directory). To have what is missing "
+                         "made again, run the sweep")  # fmt: skip
+    assert f"{second}: is not what was written (SHA-256" in text
+
+
 def test_where_there_is_nothing_to_verify(tmp_path, sweep):
     with pytest.raises(FileError, match=r"no plan\.yaml"):
         verify(tmp_path / "none")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import random
 from bisect import bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import accumulate
 from pathlib import Path
@@ -19,7 +19,7 @@ from halfphysics.sweep.store.contents import DAMAGE
 from halfphysics.sweep.store.pieces import Piece, ranges_made
 from halfphysics.sweep.store.sources import Sources
 
-#: Variants tried for each requested sample, as filters may leave most of them out.
+#: Variants drawn for each requested sample, as filters may leave most of them out.
 _TRIES = 100
 #: Largest number of differences that are listed.
 _TOLD = 20
@@ -105,40 +105,64 @@ class _Verifier:
         self._maker = Maker(plan, self._variants)
         self._layout = Store(folder, plan).layout
         self._sources = Sources(since=0, base=plan.base)
+        self._ranges = list(ranges_made(self._layout))
+        self._pieces: dict[int, Piece | None] = {}
         self._equal = self._out = 0
         self._differences: list[str] = []
         self._notes: dict[str, None] = {}
 
     def run(self, count: int, seed: int, progress: Callable[[int], None] | None) -> Report:
         """Compare `count` samples."""
-        ranges = list(ranges_made(self._layout))
-        ends = list(accumulate(len(numbers) for numbers in ranges))
-        if not ranges:
+        if not self._ranges:
             raise InputError(
                 f"{self._folder}: nothing to compare yet. Run the sweep, then verify what it made"
             )
-        pieces: dict[int, Piece] = {}
-        compared = 0
-        for place in random.Random(seed).sample(range(ends[-1]), min(ends[-1], _TRIES * count)):
-            if compared == count:
-                break
-            index = bisect_right(ends, place)
-            numbers = ranges[index]
-            if index not in pieces:
-                pieces[index] = Piece.open(self._layout, numbers)
-                self._differences += pieces[index].damage()
-            number = numbers[place - ends[index]]
-            if number not in pieces[index]:
-                self._absent(pieces[index], number, count)
+        compared: set[int] = set()
+        for piece, number in self._chosen(count, random.Random(seed)):
+            if number in compared:
                 continue
-            self._compare(pieces[index], number)
-            compared += 1
+            if number not in piece:
+                self._absent(piece, number, count)
+                continue
+            self._compare(piece, number)
+            compared.add(number)
             if progress is not None:
-                progress(compared)
+                progress(len(compared))
+            if len(compared) == count:
+                break
         report = Report(self._equal, self._out, tuple(self._differences), tuple(self._notes))
         if report.differences:
             raise FileError(f"{self._folder}: not what is made now\n{report}")
         return report
+
+    def _chosen(self, count: int, draw: random.Random) -> Iterator[tuple[Piece, int]]:
+        """Variants at random, and then samples: conditions may leave out nearly all variants."""
+        ends = list(accumulate(map(len, self._ranges)))
+        for place in draw.sample(range(ends[-1]), min(ends[-1], _TRIES * count)):
+            index = bisect_right(ends, place)
+            piece = self._piece(index)
+            if piece is not None:
+                yield piece, self._ranges[index][place - ends[index]]
+        for index in draw.sample(range(len(ends)), len(ends)):
+            piece = self._piece(index)
+            if piece is not None:
+                numbers = piece.numbers()
+                yield from ((piece, number) for number in draw.sample(numbers, len(numbers)))
+
+    def _piece(self, index: int) -> Piece | None:
+        """A shard or fragment, of which the damage is recorded; None if it cannot be read."""
+        if index not in self._pieces:
+            self._pieces[index] = None
+            damage: list[str] = []
+            try:
+                piece = Piece.open(self._layout, self._ranges[index])
+                damage = piece.damage()
+                piece.numbers()  # are its samples found?
+                self._pieces[index] = piece
+            except FileError as error:
+                damage = damage or [str(error)]
+            self._differences += damage
+        return self._pieces[index]
 
     def _absent(self, piece: Piece, number: int, most: int) -> None:
         """Check a variant without a sample: it failed, or a condition leaves it out."""
@@ -171,7 +195,7 @@ class _Verifier:
             self._notes |= {f"made by another program: {text}": None for text in others}
             # Data of another program should be the same except for the versions in the card.
             differ = piece.differ(number, made.files, ("versions",) if others else ())
-        except DAMAGE as error:
+        except (*DAMAGE, FileError) as error:
             differ = [f"cannot be read ({error})"]
         self._differences += [f"{key_of(number)}: {text}" for text in differ]
         self._equal += not differ

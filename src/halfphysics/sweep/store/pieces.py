@@ -91,7 +91,10 @@ class Piece:
             try:
                 found = sha256_of(path)
             except OSError as error:
-                words.append(f"{path}: cannot be read ({error.strerror})")
+                words.append(
+                    f"{path}: cannot be read ({error.strerror}). To have what is missing made "
+                    "again, run the sweep"
+                )
                 continue
             if found != expected:
                 words.append(
@@ -99,6 +102,14 @@ class Piece:
                     "again, delete it and run the sweep"
                 )
         return words
+
+    def numbers(self) -> list[int]:
+        """The variants that have a sample, in order.
+
+        Raises:
+            FileError: The file that holds the samples is missing or damaged.
+        """
+        return [int(key) for key in self._places if key.isdecimal()]
 
     def __contains__(self, number: object) -> bool:
         return key_of(number) in self._places if isinstance(number, int) else False
@@ -140,7 +151,13 @@ class Piece:
 
     @cached_property
     def _places(self) -> Mapping[str, list[tuple[str, int, int]]]:
-        """Key -> name, offset and size of each file; no files for HDF5."""
+        """Key -> name, offset and size of each file; no files for HDF5.
+
+        Raises:
+            FileError: The file is missing or damaged.
+        """
+        if not self.record.get("samples", 1):
+            return {}  # a fragment without members is no tar
         if self._h5:
             from halfphysics.sweep.store.hdf5 import keys
 

@@ -52,6 +52,16 @@ def test_out_is_where_it_goes(plan, tmp_path, capsys):
     assert str(tmp_path / "there") in capsys.readouterr().out
 
 
+def test_out_is_no_input(tmp_path, capsys, here):
+    (tmp_path / "plan.yaml").write_text(BAD.replace("files: bad.npz", "files: '**/*.npz'"))
+    for name in ("bad.npz", "there/bad.npz"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_bytes(b"no clip")
+    out = ["--out", str(tmp_path / "there")]
+    assert main(["sweep", str(tmp_path / "plan.yaml"), *out, "--dry-run"]) == 0
+    assert re.search(r"^inputs +2: bad\.npz, kick_ball$", capsys.readouterr().out, re.MULTILINE)
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [

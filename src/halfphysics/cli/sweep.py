@@ -94,7 +94,7 @@ class Command:
             return
         # The data is identical for any --out: only the printed text has the folder.
         shown = replace(plan, outputs=replace(plan.outputs, folder=str(folder.absolute())))
-        variants = Variants(plan, resolve_inputs(plan))
+        variants = Variants(plan, resolve_inputs(plan, folder))
         check_room(next(p for p in (folder, *folder.absolute().parents) if p.is_dir()), folder)
         if self.dry_run:
             from halfphysics.sweep.make.rehearsal import rehearse

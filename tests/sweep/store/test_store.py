@@ -7,11 +7,13 @@ import os
 import signal
 import sys
 import tarfile
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from halfphysics.errors import FileError, InputError, MissingDependencyError
+from halfphysics.sweep.plan.plan import Plan
 from halfphysics.sweep.store.store import Store
 from support.sweeps.sweep_shards import (
     make,
@@ -272,6 +274,21 @@ def test_other_inputs(tmp_path, change, said):
         (tmp_path / name).unlink(missing_ok=True)
     store.begin()
     store.close()
+
+
+@pytest.mark.parametrize("given", ["absolute", "relative"])
+def test_another_folder_than_the_plan_s_is_no_input(tmp_path, monkeypatch, given):
+    plan_of(tmp_path)
+    document = {"inputs": {"files": ["**/*.npz", "*/"]}, "outputs": {"folder": "else/where"}}
+    (tmp_path / "clips").mkdir()
+    plan = Plan.from_document(document, tmp_path)
+    monkeypatch.chdir(tmp_path / "clips")
+    out = tmp_path / "data" if given == "absolute" else Path("../data")
+    for _ in range(2):
+        with Store(out, plan, "this"):
+            (tmp_path / "data" / "x.npz").touch()
+    lines = (tmp_path / "data" / "inputs.txt").read_text().splitlines()
+    assert lines == [f"file\t{name}\t0" for name in ("a.npz", "b.npz", "clips")]
 
 
 def test_a_folder_of_something_else(tmp_path):

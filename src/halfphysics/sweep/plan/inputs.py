@@ -10,6 +10,7 @@ from __future__ import annotations
 import glob
 import mmap
 import os
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -24,6 +25,9 @@ from halfphysics.motion.motion import MODELS
 from halfphysics.sweep.plan.factors import NOT_PLAIN
 
 _CHUNK = 1 << 20
+#: Control characters, separators of lines and paragraphs, and bytes that are no UTF-8: a line of
+#: text cannot hold them. Other spaces and joined signs can be in it.
+_UNLISTED = re.compile("[\0-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,17 +113,18 @@ def scenario_options(names: Sequence[str]) -> tuple[str, ...]:
     return tuple(o for o in known[0] if o not in NOT_PLAIN and all(o in each for each in known))
 
 
-def resolve(entries: Sequence[Inputs], base: Path, outputs: str) -> list[str]:
+def resolve(entries: Sequence[Inputs], base: Path, *outputs: str | os.PathLike[str]) -> list[str]:
     """The inputs, one line each: entry by entry, files sorted by path within each.
 
     Args:
         entries: The entries of the plan.
         base: The folder that patterns are relative to.
-        outputs: The folder of the results, relative to `base`; files in it are no inputs.
+        outputs: Folders of results, relative to `base`; they and the files in them are no inputs.
 
     Raises:
         FileError: No file matches a pattern, or a line cannot hold a name.
     """
+    own = _own(base, outputs)
     lines = []
     for place, entry in enumerate(entries):
         if entry.scenarios:
@@ -128,7 +133,7 @@ def resolve(entries: Sequence[Inputs], base: Path, outputs: str) -> list[str]:
         found: set[str] = set()
         for k, pattern in enumerate(entry.files):
             count = 0
-            for name in _matches(pattern, base, outputs):
+            for name in _matches(pattern, base, own):
                 found.add(f"file\t{name}\t{place}")  # a million: no second copy of them
                 count += 1
             if not count:
@@ -212,18 +217,30 @@ def _line_ends(handle: Any) -> np.ndarray:
     return np.concatenate(parts) if parts else np.empty(0, np.int64)
 
 
-def _matches(pattern: str, base: Path, outputs: str) -> Iterator[str]:
+def _own(base: Path, outputs: Sequence[str | os.PathLike[str]]) -> dict[str, tuple[str, ...]]:
+    """The base as it is named and without links -> the folders of results, named likewise.
+
+    A folder that the base is in is left out: everything would be in it.
+    """
+    own = {}
+    for true in (os.path.abspath, os.path.realpath):
+        root = os.path.join(true(base), "")
+        folders = (os.path.join(true(base / folder), "") for folder in outputs)
+        own[root] = tuple(folder for folder in folders if not root.startswith(folder))
+    return own
+
+
+def _matches(pattern: str, base: Path, own: Mapping[str, tuple[str, ...]]) -> Iterator[str]:
     folders = pattern.endswith("/")
-    root = os.path.abspath(base)
-    own = os.path.abspath(base / outputs) + os.sep
-    aside = not (root + os.sep).startswith(own)
     for name in glob.iglob(pattern, root_dir=base, recursive=True):
-        whole = os.path.join(root, name)
-        if aside and os.path.normpath(whole).startswith(own):
+        if any(
+            (os.path.normpath(os.path.join(root, name)) + os.sep).startswith(results)
+            for root, results in own.items()
+        ):
             continue
-        if folders or os.path.isfile(whole):
+        if folders or os.path.isfile(base / name):
             name = name.replace(os.sep, "/").rstrip("/")
-            if not name.isprintable():
+            if _UNLISTED.search(name):
                 raise FileError(
                     f"{name!r}: found a name with characters that a list of inputs cannot hold "
                     "(tabs, line breaks, what is no UTF-8); rename it"

@@ -273,13 +273,19 @@ class Plan:
             )
 
 
-def resolve_inputs(plan: Plan) -> list[str]:
+def resolve_inputs(plan: Plan, folder: str | os.PathLike[str] | None = None) -> list[str]:
     """The plan's inputs, one line each ("file" or "scenario", name, number of the entry; tabs).
+
+    Args:
+        plan: The plan; what is in its output folder is no input.
+        folder: The folder that is written to instead, relative to the working directory; what is
+            in it is no input either.
 
     Raises:
         FileError: No file matches a pattern.
     """
-    return resolve(plan.inputs, plan.base, plan.outputs.folder)
+    others = () if folder is None else (os.path.abspath(folder),)
+    return resolve(plan.inputs, plan.base, plan.outputs.folder, *others)
 
 
 def _needs_support(which: str, text: str) -> str:

@@ -37,7 +37,7 @@ def check_inputs(path: Path, lines: Sequence[str]) -> None:
 
 
 def _words(path: Path, lines: Sequence[str]) -> str:
-    before = set(path.read_text(encoding="utf-8").splitlines())
+    before = set(path.read_text(encoding="utf-8").rstrip("\n").split("\n"))
     now = set(lines)
     parts = []
     for word, names in (("new", now - before), ("gone", before - now)):

@@ -116,7 +116,7 @@ class Store:
         there = check_plan(self.folder, self.plan)
         if there is None or there.base.resolve() != self.plan.base.resolve():
             self.plan.save(self.folder / PLAN)
-        check_inputs(self.folder / INPUTS, resolve_inputs(self.plan))
+        check_inputs(self.folder / INPUTS, resolve_inputs(self.plan, self.folder))
         layout = self.layout
         check_code(layout, self._code, self.identity, remake=self._remake)
         for folder in (layout.shard_folder, layout.work):

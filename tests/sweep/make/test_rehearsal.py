@@ -69,6 +69,24 @@ def test_a_large_sweep_is_tried_at_its_extremes(tmp_path, monkeypatch):
         assert ends <= {variant.factors[name] for variant in made}
 
 
+def test_variants_are_tried_where_conditions_leave_out_nearly_all(tmp_path, monkeypatch):
+    made = []
+    monkeypatch.setattr(rehearsal, "_cause", lambda shop, variant: made.append(variant) or "")
+    many = "  objects.friction: {from: 0.1, to: 1, count: 91}\n"
+    many += "  motion.yaw: {from: 0, to: 90, count: 91}\n"
+    few = told(tmp_path, f"{HEAD}{many}keep: motion.yaw == 44 and 0.3 < objects.friction < 0.9\n")
+    assert few.tried == len(made) == rehearsal.MOST
+    frictions = [variant.factors["objects.friction"] for variant in made]
+    assert {variant.factors["motion.yaw"] for variant in made} == {44}
+    assert min(frictions) < 0.4
+    assert max(frictions) > 0.8
+    none = told(tmp_path, f"{HEAD}{many}keep: motion.yaw > 90\n")
+    assert none.tried == 0
+    assert (
+        str(none) == "no variant set up: the plan's conditions (keep) leave out all that were tried"
+    )
+
+
 def test_time_is_bounded(tmp_path, monkeypatch):
     clock = iter(range(0, 10_000, 20))
     monkeypatch.setattr(rehearsal.time, "monotonic", lambda: next(clock))

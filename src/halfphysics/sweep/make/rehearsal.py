@@ -25,6 +25,8 @@ MOST = 48
 _VALUES, _GROUNDS = 6, 6
 #: No new variant is set up after this time [s].
 _SECONDS = 30.0
+#: Most variants to which the conditions are applied if they leave out all of those.
+_SCANNED = 100_000
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,7 @@ class Rehearsal:
     """What setting up variants told.
 
     Attributes:
-        tried: Number of variants.
+        tried: Number of variants; 0 if conditions leave out all that were looked at.
         failed: Causes of those that cannot be made, though others of the same factors can.
     """
 
@@ -40,6 +42,8 @@ class Rehearsal:
     failed: tuple[str, ...] = ()
 
     def __str__(self) -> str:
+        if not self.tried:
+            return "no variant set up: the plan's conditions (keep) leave out all that were tried"
         if not self.failed:
             return f"{self.tried:,} variants set up on trial, all can be made"
         causes = "\n  ".join(dict.fromkeys(self.failed))
@@ -53,11 +57,14 @@ def rehearse(plan: Plan, variants: Variants) -> Rehearsal:
         InputError: No variant can be made, or none with a certain value of a factor.
     """
     workshop, tried = Workshop(plan), list[tuple[Variant, str]]()
-    start = time.monotonic()
-    for variant in islice(filter(variants.keeps, _chosen(plan, variants)), MOST):
-        tried.append((variant, _cause(workshop, variant)))
-        if time.monotonic() - start > _SECONDS:
+    end = time.monotonic() + _SECONDS
+    for choose in (_chosen, _scanned):
+        if tried:
             break
+        for variant in islice(filter(variants.keeps, choose(plan, variants)), MOST):
+            tried.append((variant, _cause(workshop, variant)))
+            if time.monotonic() > end:
+                break
     failed = [(variant, cause) for variant, cause in tried if cause]
     if tried and len(failed) == len(tried):
         raise InputError(failed[0][1])
@@ -123,3 +130,10 @@ def _chosen(plan: Plan, variants: Variants) -> Iterator[Variant]:
         for value in extremes:
             for variant in grounds:
                 yield replace(variant, factors={**variant.factors, name: value})
+
+
+def _scanned(plan: Plan, variants: Variants) -> Iterator[Variant]:
+    """Of many variants at random those that the conditions keep, evenly spread."""
+    kept = [n for n in variants.sample(_SCANNED) if variants.keeps(variants[n])]
+    count = min(MOST, len(kept))
+    yield from (variants[kept[k * len(kept) // count]] for k in range(count))

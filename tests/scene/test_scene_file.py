@@ -214,6 +214,16 @@ def _everything(folder: Path) -> Scene:
     return scene
 
 
+@pytest.mark.parametrize("suffix", [".yaml", ".json"])
+def test_names_like_numbers_and_emoji_survive_saving(tmp_path: Path, suffix: str) -> None:
+    names = ["1e3", "-.5E-3", "010", "08", "null", "\U0001f600"]
+    scene = Scene()
+    for name in names:
+        scene.add_static(name, Box((1.0, 1.0, 1.0)))
+    scene.save(tmp_path / f"room{suffix}")
+    assert list(Scene.load(tmp_path / f"room{suffix}").statics) == names
+
+
 @pytest.mark.parametrize("name", ["room.yaml", "room.yml", "room.json"])
 def test_saving_and_loading_gives_the_same_scene(tmp_path: Path, name: str) -> None:
     scene = _everything(tmp_path)

@@ -25,6 +25,12 @@ _LONG = 2**18
 
 # YAML 1.2 numbers such as 1e3, which PyYAML (YAML 1.1) would take for text.
 _FLOAT = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$")
+# Whole numbers of YAML 1.1 only, such as 1_000, 1:30, 0b11 and 010, which is 8 there.
+_OLD_INT = re.compile(r"[_:]|^[-+]?0[b0-9]")
+# An escape of JSON; with groups: a pair of surrogates, one character, which YAML refuses.
+_ESCAPE = re.compile(
+    r"\\(?:u(d[89ab][0-9a-f]{2})\\u(d[c-f][0-9a-f]{2})|.)", re.IGNORECASE | re.DOTALL
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,8 +76,8 @@ def read_tree(path: Path, keys: str) -> Entry:
         document = _json(path, text)
         if len(text) > _LONG:
             return plain_tree(document, path)
-        # JSON is YAML but for tabs, which JSON allows between values only.
-        text = text.replace("\t", " ")
+        # JSON is YAML but for tabs, which JSON allows between values only, and for surrogates.
+        text = _ESCAPE.sub(_joined, text.replace("\t", " "))
     loader = _loader(yaml)(text)
     try:
         root = loader.get_single_node()
@@ -120,6 +126,13 @@ def _json(path: Path, text: str) -> Any:
         raise FileError(f"{path}: not valid JSON: {error}") from None
 
 
+def _joined(escape: re.Match[str]) -> str:
+    """The character of a pair of surrogates; any other escape as it is."""
+    if escape[1] is None:
+        return escape[0]
+    return bytes.fromhex(escape[1] + escape[2]).decode("utf-16-be")
+
+
 def plain_tree(value: Any, file: Path, where: str = "", depth: int = 0) -> Entry:
     """Plain data (of a document inside another file) as a tree; it has no lines of its own."""
     if depth > _MAX_DEPTH:
@@ -133,14 +146,28 @@ def plain_tree(value: Any, file: Path, where: str = "", depth: int = 0) -> Entry
     return Entry(value=value, where=where, line=0, file=file)
 
 
-def _loader(yaml: Any) -> Any:
-    base: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+def yaml_text(document: Mapping[str, Any]) -> str:
+    """Plain data as YAML, from which `read_tree` reads the same: text like 1e3 is in quotes."""
+    import yaml
 
-    class Loader(base):  # type: ignore[misc]
+    dumper = _with_floats(yaml.SafeDumper)
+    return str(
+        yaml.dump(document, Dumper=dumper, sort_keys=False, default_flow_style=None, width=100)
+    )
+
+
+def _loader(yaml: Any) -> Any:
+    return _with_floats(getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+
+
+def _with_floats(base: Any) -> Any:
+    """A loader or dumper of PyYAML that also takes numbers such as 1e3 for numbers."""
+
+    class Changed(base):  # type: ignore[misc]
         pass
 
-    Loader.add_implicit_resolver("tag:yaml.org,2002:float", _FLOAT, list("-+0123456789."))
-    return Loader
+    Changed.add_implicit_resolver("tag:yaml.org,2002:float", _FLOAT, list("-+0123456789."))
+    return Changed
 
 
 class _Builder:
@@ -170,8 +197,10 @@ class _Builder:
         if kind not in ("str", "int", "float", "bool", "null"):
             return node.value  # dates and the like are text here
         try:
-            # "1_000" and "1:30" are numbers in YAML 1.1 only: text here, refused as numbers.
-            if kind in ("int", "float") and re.search(r"[_:]", node.value):
+            # Numbers of YAML 1.1 only are text here, refused as numbers.
+            if kind == "int" and _OLD_INT.search(node.value):
+                return node.value
+            if kind == "float" and re.search(r"[_:]", node.value):
                 return node.value
             return self.scalar(node)
         except (ValueError, TypeError):

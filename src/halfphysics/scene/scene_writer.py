@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from halfphysics.base.atomic import atomic_write
+from halfphysics.base.document_tree import yaml_text
 from halfphysics.base.validation import file_path
 from halfphysics.errors import InputError
 from halfphysics.geometry.convex_decomposition import USUAL
@@ -30,9 +31,7 @@ def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
     if path.suffix.lower() == ".json":
         written = json.dumps(document, indent=1, ensure_ascii=False)
     else:
-        import yaml
-
-        written = yaml.safe_dump(document, sort_keys=False, default_flow_style=None, width=100)
+        written = yaml_text(document)
     with atomic_write(path) as handle:
         handle.write((written.rstrip() + "\n").encode())
 

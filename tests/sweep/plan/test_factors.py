@@ -110,6 +110,24 @@ def test_ranges_have_their_ends_and_even_steps() -> None:
 @pytest.mark.parametrize(
     "document",
     [
+        {"log_uniform": [1e-150, 1e150]},
+        {"uniform": [-8e307, 8e307]},
+        {"from": 1e-150, "to": 1e150, "count": 9, "scale": "log"},
+        {"from": -1e307, "to": 1e307, "count": 9},
+    ],
+)
+def test_values_far_apart_are_finite_and_inside(document: object) -> None:
+    values = spec(document)
+    drawn = isinstance(values, Uniform | LogUniform)
+    found = [values.draw(Stream(0, "x"), k) for k in range(99)] if drawn else values.listed()
+    low, high = values.extremes()[0], values.extremes()[-1]
+    assert all(low <= value <= high for value in found)
+    assert len(set(found)) == len(found)
+
+
+@pytest.mark.parametrize(
+    "document",
+    [
         [1, 2.5, "a", None, True],
         {"from": 1, "to": 2, "count": 3, "scale": "linear"},
         {"uniform": [0, 1]},
@@ -147,6 +165,14 @@ def test_a_single_value_is_a_list_of_one() -> None:
         ({"uniform": [1]}, "uniform: found .* expected a list of two numbers"),
         ({"uniform": [0, "b"]}, "uniform: expected a number, found 'b'"),
         ({"log_uniform": [0, 1]}, "log_uniform: found 0, expected numbers above 0"),
+        ({"log_uniform": [1e-200, 1e200]}, r"1e-200 to 1e\+200, expected at most 1e\+300 times"),
+        ({"log_uniform": [5e-324, 1]}, r"log_uniform: found 4.94066e-324 to 1, expected at most"),
+        ({"from": 1e-200, "to": 1e200, "count": 3, "scale": "log"}, r"to: .*at most 1e\+300 times"),
+        ({"from": 1e200, "to": 1e-200, "count": 3, "scale": "log"}, r"to: .*at most 1e\+300 times"),
+        ({"uniform": [-1e308, 1e308]}, r"uniform: found -1e\+308 to 1e\+308, .* less far apart"),
+        ({"uniform": [-(10**308), 10**308]}, "uniform: .*expected numbers less far apart"),
+        ({"from": -1e308, "to": 1e308, "count": 3}, "to: .*expected numbers less far apart"),
+        ({"from": 0, "to": 1e308, "count": 9}, "to: .*expected numbers less far apart"),
         ({"normal": [0, 0]}, "standard deviation 0, expected one above 0"),
         ({"normal": [0, 1], "within": [5, 6]}, "within: .*where 2.9e-05 % .* at least 1 %"),
         ({"normal": [0, 1], "within": [2, 1]}, "within: .*smaller number first"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -106,6 +107,36 @@ def test_every_mistake_has_its_place(
     said = str(caught.value)
     assert said.startswith(f"{folder / 'plan.yaml'}, {place}")
     assert message in said.removeprefix(f"{folder / 'plan.yaml'}, {place}")
+
+
+#: Texts that are, or look like, numbers, words or signs of YAML.
+TEXTS = (
+    "1e3", "-.5E-3", "+1.e2", "010", "08", "0o10", "0x1F", "0b11", "1_000", "1:30", "~", "null",
+    "yes", "true", ".inf", "2001-01-01", "- a", "a: b", "#", " ", "\U0001f600", "\u3000",
+)  # fmt: skip
+
+
+def test_texts_survive_saving_whatever_they_look_like(folder: Path) -> None:
+    plan = Plan(inputs=Inputs(files=TEXTS), base=folder)
+    plan.save(folder / "saved.yaml")
+    again = Plan.load(folder / "saved.yaml")
+    assert again.inputs[0].files == TEXTS
+    assert again.identity == plan.identity
+
+
+@pytest.mark.parametrize("value", ["010", "-010", "00", "0b11", "1_000", "1:30"])
+def test_numbers_of_old_yaml_are_refused(folder: Path, value: str) -> None:
+    with pytest.raises(FileError, match=rf"line 2, seed: found '{value}', expected a whole number"):
+        load(folder, f"{FIRST}seed: {value}\n")
+
+
+def test_json_may_escape_every_character(folder: Path) -> None:
+    names = ["\U0001f600", "a\\ud83d", "\\\U00010000\ufffd", "\u00e9/\u2028"]
+    document = {"inputs": [{"files": names}], "outputs": {"folder": "\U0001f600\U0001f600"}}
+    for ascii in (True, False):
+        plan = load(folder, json.dumps(document, ensure_ascii=ascii), "plan.json")
+        assert plan.inputs[0].files == tuple(names)
+        assert plan.outputs.folder == "\U0001f600\U0001f600"
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from halfphysics.base.document_entries import (
     number,
     text,
 )
-from halfphysics.base.document_tree import Entry, plain_tree, read_tree
+from halfphysics.base.document_tree import Entry, plain_tree, read_tree, yaml_text
 from halfphysics.base.validation import file_path
 from halfphysics.errors import FileError, HalfPhysicsError
 from halfphysics.motion.motion import MODELS
@@ -68,17 +68,14 @@ def plan_of(document: Mapping[str, Any], base: Path) -> Plan:
 
 def save_plan(plan: Plan, path: str | os.PathLike[str]) -> None:
     """Implementation of `Plan.save`; see there."""
-    import yaml
-
     path = file_path(path)
     base: str | Path = plan.base.resolve()
     with contextlib.suppress(ValueError):  # another drive: no relative path leads there
         base = os.path.relpath(base, path.resolve().parent)
     document = plan.document()
     ordered = {"version": document.pop("version"), "base": Path(base).as_posix(), **document}
-    written = yaml.safe_dump(ordered, sort_keys=False, default_flow_style=None, width=100)
     with atomic_write(path) as handle:
-        handle.write(written.encode())
+        handle.write(yaml_text(ordered).encode())
 
 
 def _plan(tree: Entry, folder: Path) -> Plan:

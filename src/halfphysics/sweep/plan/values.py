@@ -21,6 +21,8 @@ _LEAST_SHARE = 0.01
 #: Number of standard deviations that contain practically all draws of a normal distribution.
 _FAR = 6
 _MOST_VALUES = 1_000_000
+#: Largest ratio of two numbers whose logarithms are divided: an exponential is exact within it.
+_WIDEST = 1e300
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,6 +70,7 @@ class Range:
                 f"scale: found log for {self.first:g} to {self.last:g}; expected two numbers above "
                 "0, or scale: linear"
             )
+        _check_span(self.first, self.last, "to", self.scale == "log", self.count - 1)
         if self.first == self.last:
             raise InputError(
                 f"to: found {self.last:g}, where it begins; expected another end, or a list of one"
@@ -109,6 +112,7 @@ class Uniform:
 
     def __post_init__(self) -> None:
         _interval(self.low, self.high, "uniform")
+        _check_span(self.low, self.high, "uniform")
 
     def draw(self, stream: Stream, number: int) -> Value:
         """The number-th draw."""
@@ -134,6 +138,7 @@ class LogUniform:
         _interval(self.low, self.high, "log_uniform")
         if self.low <= 0.0:
             raise InputError(f"log_uniform: found {self.low:g}, expected numbers above 0")
+        _check_span(self.low, self.high, "log_uniform", log=True)
         object.__setattr__(self, "_span", log(self.high / self.low))
 
     def draw(self, stream: Stream, number: int) -> Value:
@@ -301,6 +306,21 @@ def _interval(low: float, high: float, what: str) -> None:
     _number(low, what)
     if not low < _number(high, what):
         raise InputError(f"{what}: found [{low:g}, {high:g}], expected the smaller number first")
+
+
+def _check_span(one: float, other: float, what: str, log: bool = False, steps: int = 1) -> None:
+    """Check that the numbers between two others, above 0 if `log`, can be computed."""
+    low, high = sorted((float(one), float(other)))
+    if log and high / low > _WIDEST:
+        raise InputError(
+            f"{what}: found {one:g} to {other:g}, expected at most {_WIDEST:g} times the smaller "
+            "number"
+        )
+    if not log and not math.isfinite((high - low) * steps):
+        raise InputError(
+            f"{what}: found {one:g} to {other:g}, expected numbers less far apart: their distance "
+            "is too large for a number"
+        )
 
 
 def _values(values: Any, what: str) -> tuple[Value, ...]:

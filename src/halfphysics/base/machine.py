@@ -10,14 +10,18 @@ from pathlib import Path
 
 from halfphysics.base import windows
 
-#: Where control groups (of containers and job systems) state limits of memory and cores.
-_GROUPS = Path("/sys/fs/cgroup")
+#: Where control groups (of containers and job systems) state limits of memory and cores, and which
+#: ones this process is in.
+_GROUPS, _OWN = Path("/sys/fs/cgroup"), Path("/proc/self/cgroup")
 
 
 def cores() -> int:
     """How many cores this process may use."""
     count = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    for quota in _limits("cpu.max"):
+    for quota in (
+        *_limits("", "cpu.max"),
+        *_limits("cpu", "cpu.cfs_quota_us", "cpu.cfs_period_us"),
+    ):
         if len(quota) == 2 and quota[1]:
             count = min(count or 1, max(1, round(quota[0] / quota[1])))
     return count or 1
@@ -28,7 +32,7 @@ def memory() -> int:
     if sys.platform == "win32":
         return windows.memory()
     total = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    limits = [*_limits("memory.max"), *_limits("memory/memory.limit_in_bytes")]
+    limits = [*_limits("", "memory.max"), *_limits("memory", "memory.limit_in_bytes")]
     return min([total, *(limit[0] for limit in limits if limit)])
 
 
@@ -75,21 +79,34 @@ def offer_to_the_killer() -> None:
         Path("/proc/self/oom_score_adj").write_text("500")
 
 
-def _limits(name: str) -> Iterator[list[int]]:
-    """The numbers in such files of our control group and all around it; none: no limit."""
+def _limits(controller: str, *names: str) -> Iterator[list[int]]:
+    """The numbers in such files of our control group and all around it; none: no limit.
+
+    In version 1 each controller, such as "memory", has groups of its own; "": those of version 2.
+    """
+    root, own = _group(controller)
+    for folder in (root / own, *(root / own).parents):
+        if folder.is_relative_to(root):
+            with contextlib.suppress(OSError):
+                words = [word for name in names for word in (folder / name).read_text().split()]
+                yield [int(word) for word in words] if all(map(str.isdigit, words)) else []
+
+
+def _group(controller: str) -> tuple[Path, str]:
+    """The folder of all groups of a controller, and the path of ours in it.
+
+    In a container the path may be that of the machine outside, which is not there: then the limits
+    are those of the folder itself.
+    """
     try:
-        lines = Path("/proc/self/cgroup").read_text().splitlines()
+        lines = [line.split(":", 2) for line in _OWN.read_text().splitlines()]
     except OSError:
-        return
-    own = next((line.removeprefix("0::/") for line in lines if line.startswith("0::/")), "")
-    for folder in (_GROUPS / own, *(_GROUPS / own).parents):
-        try:
-            words = (folder / name).read_text().split()
-        except OSError:
-            continue
-        yield [int(word) for word in words] if all(word.isdigit() for word in words) else []
-        if folder == _GROUPS:
-            return
+        lines = []
+    for _, names, path in (line for line in lines if len(line) == 3):
+        if controller in names.split(","):
+            root = next((p for p in (_GROUPS / names, _GROUPS / controller) if p.is_dir()), _GROUPS)
+            return root, path.lstrip("/")
+    return _GROUPS / controller, ""
 
 
 def _most_held() -> int:

@@ -71,6 +71,7 @@ def test_out_is_no_input(tmp_path, capsys, here):
         (["--dry-run", "--retry-failed"], "expected one of these at a time"),
         (["--engine", "slurm"], "slurm"),
         (["--memory", "0.01"], "memory: found 0.01 GiB, expected at least 0.5"),
+        (["--memory", "inf"], "memory: found inf GiB, expected at most the "),
         (["--out", "plan.yaml"], "this is a file"),
     ],
 )

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
-from halfphysics.base.validation import number
 from halfphysics.cli.loudness import is_quiet
 from halfphysics.cli.options import check_room
 from halfphysics.cli.parsing import Exit, parse
@@ -121,9 +120,9 @@ class Command:
             if count is not None and count < 1:
                 raise InputError(f"--{name}: found {count}, expected at least 1")
         if self.limit is not None:
-            from halfphysics.sweep.make.time_limit import check_possible
+            from halfphysics.sweep.make.time_limit import check_limit, check_possible
 
-            number(self.limit, "--limit", above=0.0, unit="s")
+            check_limit(self.limit, "--limit")
             check_possible()
 
     def _verify(self, plan: Plan, folder: Path, count: int) -> None:

@@ -13,7 +13,8 @@ from halfphysics.cli import MISTAKE, main
 from halfphysics.cli import sweep as command
 from halfphysics.errors import InputError
 from halfphysics.sweep.make.making import Sample
-from halfphysics.sweep.make.time_limit import OutOfTimeError, time_limit
+from halfphysics.sweep.make.time_limit import LONGEST, OutOfTimeError, time_limit
+from halfphysics.sweep.run.driver import run
 from halfphysics.sweep.run.work import Task, do, opened
 from support.sweeps.sweep_case import Here, begun, data, planned
 
@@ -135,3 +136,13 @@ def test_the_command_lists_them_and_tries_them_again(tmp_path, capsys, monkeypat
     assert data(tmp_path / "cut") == data(tmp_path / "whole")
     assert main([*out, "--limit", "0"]) == MISTAKE
     assert "--limit: expected a number above 0 [s], found 0" in capsys.readouterr().err
+    assert main([*out, "--limit", "1e20"]) == MISTAKE
+    assert "--limit: found 1e+20 s, expected at most 1e+08 s" in capsys.readouterr().err
+
+
+def test_a_timer_can_be_set_to_the_longest():
+    with time_limit(LONGEST):
+        pass
+    for seconds in (1.1 * LONGEST, 1e300, float("inf"), float("nan"), 0.0):
+        with pytest.raises(InputError, match="limit: "):
+            run(None, None, None, limit=seconds)

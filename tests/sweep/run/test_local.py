@@ -89,6 +89,14 @@ def test_how_many_processes_and_what_each_may_have(monkeypatch):
     assert shares()[0] == 1
 
 
+def test_more_memory_than_there_is(monkeypatch):
+    monkeypatch.setattr(machine, "memory", lambda: 4 * GIB)
+    assert shares(2, 4.0) == (2, 2 * GIB)
+    for gib in (4.001, 99999.0, float("inf")):
+        with pytest.raises(InputError, match=rf"memory: found {gib:g} GiB, .* at most the 4 GiB"):
+            shares(2, gib)
+
+
 @pytest.mark.parametrize(
     ("jobs", "gib", "said"),
     [

@@ -22,7 +22,7 @@ from halfphysics.base.workers import DIED, FULL, THREADS, Death
 from halfphysics.errors import InputError, MissingDependencyError
 from halfphysics.sweep.run import ray_engine
 from halfphysics.sweep.run.driver import run
-from halfphysics.sweep.run.local import LocalEngine
+from halfphysics.sweep.run.local import GIB, LocalEngine
 from halfphysics.sweep.run.ray_engine import LOST, ClusterError, RayEngine
 from halfphysics.sweep.run.work import Done, Task, opened
 from halfphysics.sweep.store.store import Store
@@ -226,6 +226,23 @@ def test_slots_follow_the_cluster(tmp_path, fake, monkeypatch):
     assert engine.slots == 6000
 
 
+def test_shares_of_the_memory_follow_the_cluster(tmp_path, fake, monkeypatch):
+    """All tasks together have what was said, however many cores there are."""
+    monkeypatch.setattr(ray_engine, "_REFRESH", 0.0)
+    engine = RayEngine(tmp_path, memory=8.0, function=None)
+    for cores, tasks in ((4, 4), (10, 10), (2, 2), (6000, 16)):
+        fake.cores = cores
+        engine.wait()
+        assert engine.slots == tasks
+        engine.submit(task(0))
+        *_, share, _ = fake.given.pop().order
+        assert share == 8 * GIB // tasks
+        engine._under_way.clear()
+    for i in range(20):
+        engine.submit(task(i))
+    assert len(fake.given) == 16, "a task cannot live on less than half a GiB"
+
+
 def test_another_program_on_a_machine_stops_the_sweep(tmp_path, fake, monkeypatch):
     engine = engine_of(tmp_path)
     monkeypatch.setattr(ray_engine, "code_hash", lambda: "another")  # on the cluster
@@ -246,6 +263,8 @@ def test_impossible_numbers_are_said_before_ray_starts(tmp_path):
         RayEngine(tmp_path, 0)
     with pytest.raises(InputError, match="memory: found 0 GiB"):
         RayEngine(tmp_path, 1, 0.0)
+    with pytest.raises(InputError, match="memory: found inf GiB"):
+        RayEngine(tmp_path, 1, float("inf"))
 
 
 @needs_ray

@@ -7,8 +7,11 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from halfphysics.base.validation import number
 from halfphysics.errors import InputError
 
+#: Longest limit [s], three years: the timers of some systems refuse more.
+LONGEST = 1e8
 _AGAIN = 1.0  # code that continues nevertheless is interrupted again after this time [s]
 
 
@@ -46,6 +49,18 @@ def time_limit(seconds: float | None) -> Iterator[None]:
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
+
+
+def check_limit(seconds: float, name: str) -> None:
+    """Check that a timer can be set to a limit [s].
+
+    Raises:
+        InputError: It is not above 0 and at most `LONGEST`; the message begins with `name`.
+    """
+    if number(seconds, name, above=0.0, unit="s") > LONGEST:
+        raise InputError(
+            f"{name}: found {seconds:g} s, expected at most {LONGEST:g} s, or no limit"
+        )
 
 
 def check_possible() -> None:

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from halfphysics.errors import HalfPhysicsError
+from halfphysics.sweep.make.time_limit import check_limit
 from halfphysics.sweep.run.engines import Death, Engine
 from halfphysics.sweep.run.work import Done, Task
 
@@ -98,8 +99,11 @@ def run(store: Store, engine: Engine, progress: Progress, *, limit: float | None
         limit: Time limit of a variant [s]; None: no limit.
 
     Raises:
+        InputError: An impossible limit.
         SweepError: The sweep cannot continue. Finished work stays; starting it again continues.
     """
+    if limit is not None:
+        check_limit(limit, "limit")
     Driver(store, engine, progress, limit).run()
     return Report(store.folder, **store.finish())
 

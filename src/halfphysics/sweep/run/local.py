@@ -33,9 +33,15 @@ def shares(jobs: int | None = None, gib: float | None = None) -> tuple[int, int]
     """
     if jobs is not None and jobs < 1:
         raise InputError(f"jobs: found {jobs}, expected at least 1")
+    whole = machine.memory()
     if gib is not None and not GIB * gib >= LEAST:
         raise InputError(f"memory: found {gib:g} GiB, expected at least {LEAST / GIB:g}")
-    total = int(PART * machine.memory() if gib is None else GIB * gib)
+    if gib is not None and GIB * gib > whole:
+        raise InputError(
+            f"memory: found {gib:g} GiB, expected at most the {whole / GIB:.4g} GiB that this "
+            "machine, or the control group of this process, has"
+        )
+    total = int(PART * whole if gib is None else GIB * gib)
     if jobs is None:
         jobs = max(1, min(machine.cores(), total // GOOD))
     share = total // jobs

@@ -12,6 +12,7 @@ from __future__ import annotations
 import contextlib
 import io
 import logging
+import math
 import os
 import queue
 import shutil
@@ -33,7 +34,7 @@ from halfphysics.base import machine
 from halfphysics.base.code_hash import code_hash
 from halfphysics.base.workers import DIED, FULL, THREADS, Death
 from halfphysics.errors import HalfPhysicsError, InputError, MissingDependencyError
-from halfphysics.sweep.run.local import GIB
+from halfphysics.sweep.run.local import GIB, LEAST
 from halfphysics.sweep.run.work import Done, Task, do
 
 if TYPE_CHECKING:
@@ -71,7 +72,9 @@ class RayEngine:
         folder: The folder of the sweep: the same path on all machines.
         jobs: Largest number of tasks at a time; None: one per core.
         memory: Memory of all tasks together [GiB], divided evenly; a task cannot allocate more than
-            its share. None: Ray's memory monitor ends processes if a machine runs out of memory.
+            its share, which is smaller once the cluster has more cores. There are never more tasks
+            at a time than have 0.5 GiB each. None: Ray's memory monitor ends processes if a machine
+            runs out of memory.
         address: Address of a cluster ("auto", "HOST:PORT", "ray://HOST:PORT"). None:
             `$RAY_ADDRESS`, which `ray job submit` sets; without it, processes of this machine.
         function: The function that the processes run.
@@ -93,10 +96,12 @@ class RayEngine:
     ) -> None:
         if jobs is not None and jobs < 1:
             raise InputError(f"jobs: found {jobs}, expected at least 1")
-        if memory is not None and not memory > 0.0:
-            raise InputError(f"memory: found {memory:g} GiB, expected more than 0")
+        if memory is not None and not 0.0 < memory < math.inf:
+            raise InputError(f"memory: found {memory:g} GiB, expected a number above 0")
         self._ray = _ray()
-        self._most = jobs
+        self._memory = None if memory is None else int(GIB * memory)
+        rooms = [] if self._memory is None else [max(1, self._memory // LEAST)]
+        self._most = min(rooms if jobs is None else [jobs, *rooms], default=None)
         self._queue: deque[tuple[Task, int]] = deque()
         self._under_way: dict[Any, tuple[Task, int]] = {}
         self._ended: queue.SimpleQueue[tuple[Any, Future[_Answer]]] = queue.SimpleQueue()
@@ -108,8 +113,7 @@ class RayEngine:
             _connect(self._ray, address, jobs, self._scratch)
         self.slots, self._asked = 1, 0.0
         self._refresh()
-        share = None if memory is None else int(GIB * memory / self.slots)
-        self._order = function, str(Path(folder).absolute()), share, code_hash()
+        self._order = function, str(Path(folder).absolute()), code_hash()
         self._remote = self._function("halfphysics", calls=_FRESH)
         # Ray reuses processes by environment: this one has processes of its own, used for one call.
         self._alone = self._function("halfphysics-alone", calls=1, HALFPHYSICS_ALONE="1")
@@ -166,7 +170,8 @@ class RayEngine:
         while self._queue and (self._most is None or len(self._under_way) < self._most):
             task, moves = self._queue.popleft()
             remote = self._alone if task.kind == "variants" else self._remote
-            reference = remote.remote(*self._order, task)
+            share = None if self._memory is None else self._memory // self.slots
+            reference = remote.remote(*self._order, share, task)
             self._under_way[reference] = task, moves
             # `ray.wait` checks all tasks in progress on each call; a callback has a constant cost.
             reference.future().add_done_callback(
@@ -207,8 +212,8 @@ class RayEngine:
 def _answer(
     function: Callable[[str, Task], Done],
     folder: str,
-    memory: int | None,
     ours: str,
+    memory: int | None,
     task: Task,
 ) -> _Answer:
     """Run a task in a process of the cluster."""

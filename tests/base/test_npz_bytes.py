@@ -111,6 +111,9 @@ def test_what_does_not_fit(monkeypatch):
     monkeypatch.setattr(module, "_LARGEST", 10_000)
     with pytest.raises(InputError, match=r"b: 16128 bytes of it do not fit.*shorter"):
         npz_bytes({"a": np.ones(3), "b": np.ones(2000)})
+    # Each array begins within the limit, and the list of them after the last one does not.
+    with pytest.raises(InputError, match=r"b: 6528 bytes of it do not fit.*shorter"):
+        npz_bytes({"a": np.arange(800.0) ** 0.3, "b": np.arange(800.0) ** 0.7})
 
 
 def test_no_objects():

@@ -58,11 +58,8 @@ def npz_bytes(arrays: Mapping[str, NDArray[Any]]) -> bytes:
         # A flag marks names with letters beyond ASCII as UTF-8.
         flags = 0 if name.isascii() else 0x800
         method = _STORED if packed is None else _DEFLATED
-        if max(whole, offset) > _LARGEST:
-            raise InputError(
-                f"{key}: {whole} bytes of it do not fit a file of 4 GiB. Cut the clip into "
-                "shorter ones"
-            )
+        if max(whole, size, offset) > _LARGEST:
+            raise _too_large(key, whole)
         same = struct.pack("<5H3L2H", 20, flags, method, 0, _DATE, crc, size, whole, len(name), 0)
         pieces += [b"PK\x03\x04", same, name, *data]
         attributes = struct.pack("<3H2L", 0, 0, 0, 0o100644 << 16, offset)
@@ -70,8 +67,16 @@ def npz_bytes(arrays: Mapping[str, NDArray[Any]]) -> bytes:
         offset += 4 + len(same) + len(name) + size
     directory = b"".join(heads)
     count = len(arrays)
+    if max(offset, len(directory)) > _LARGEST:
+        raise _too_large(key, whole)
     end = struct.pack("<4s4H2LH", b"PK\x05\x06", 0, 0, count, count, len(directory), offset, 0)
     return b"".join([*pieces, directory, end])
+
+
+def _too_large(key: str, size: int) -> InputError:
+    return InputError(
+        f"{key}: {size} bytes of it do not fit a file of 4 GiB. Cut the clip into shorter ones"
+    )
 
 
 def packs(array: NDArray[Any]) -> bool:

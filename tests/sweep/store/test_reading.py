@@ -15,11 +15,20 @@ import numpy as np
 import pytest
 
 import halfphysics.sweep
-from halfphysics.errors import FileError, InputError
+from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
 from halfphysics.sweep.store.data_card import DataCard
 from halfphysics.sweep.store.reading import read
+from halfphysics.sweep.store.store import Store
 from support.paths import ROOT
-from support.sweeps.sweep_shards import arrays_of, plan_of, run, sample, write_tar
+from support.sweeps.sweep_shards import (
+    arrays_of,
+    make,
+    make_batch,
+    plan_of,
+    run,
+    sample,
+    write_tar,
+)
 
 NUMBERS = [n for n in range(22) if n not in (3, 8)]
 
@@ -67,6 +76,24 @@ def test_read_what_is_sealed_so_far(folder, tmp_path):
         (there / name).write_bytes((folder / "shards/00000" / name).read_bytes())
     assert [one["key"] for one in read(tmp_path)][:2] == ["000000006", "000000007"]
     assert len(list(read(tmp_path))) == 5
+
+
+def test_samples_of_two_programs_are_not_mixed(tmp_path):
+    """While a sweep is made again, its folder has shards of the old program too."""
+    plan = plan_of(tmp_path)
+    run(tmp_path / "out", plan, "old")
+    with Store(tmp_path / "out", plan, "new", remake=True) as store:
+        for batch in store.batches(1):
+            make_batch(store, batch)
+        store.seal(1)
+        with pytest.warns(HalfPhysicsWarning, match=r"000000000\.json: .* --remake") as said:
+            keys = [one["key"] for one in read(tmp_path / "out")]
+        assert len(said) == 1
+        with tarfile.open(tmp_path / "out/shards/00000/000000001.tar") as archive:
+            assert sorted(set(keys)) == sorted({n.partition(".")[0] for n in archive.getnames()})
+        assert store.finish()["samples"] == len(keys) > 0
+        make(store)
+    assert len(list(read(tmp_path / "out"))) == len(NUMBERS)
 
 
 def test_only_the_parts_that_are_asked_for(folder):

@@ -15,6 +15,8 @@ from halfphysics.sweep.plan.layout import Layout
 
 #: The file in the folder of a sweep.
 NAME = "program.json"
+#: Its entry with the identity of plan and code: a record of a shard with another is of other code.
+OF = "of"
 
 
 def check_code(layout: Layout, code: str, identity: str, *, remake: bool) -> None:
@@ -31,7 +33,7 @@ def check_code(layout: Layout, code: str, identity: str, *, remake: bool) -> Non
         FileError: The recorded hash cannot be read or written.
     """
     path = layout.folder / NAME
-    here = {**versions(), "program": code}
+    here = {**versions(), "program": code, OF: identity}
     there = json_files.read(path)
     if there == here:
         return
@@ -61,7 +63,7 @@ def check_same(layout: Layout, code: str) -> None:
 def _words(there: dict[str, Any] | None, code: str) -> str:
     if there is None:
         return f"which one is not known, {NAME} is missing"
-    return "; ".join(changed(there, code))
+    return "; ".join(changed({k: v for k, v in there.items() if k != OF}, code))
 
 
 def _made_by_another(layout: Layout, identity: str) -> bool:

@@ -7,14 +7,17 @@ for sample in halfphysics.sweep.read("out"):
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Iterator
+import warnings
+from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
+from halfphysics.base import json_files
 from halfphysics.base.validation import file_path
-from halfphysics.errors import FileError, InputError
+from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
 from halfphysics.sweep.store import tar
 from halfphysics.sweep.store.contents import DAMAGE, contents
+from halfphysics.sweep.store.fixed_code import NAME, OF
 
 
 def read(
@@ -23,8 +26,9 @@ def read(
     """Samples in the order of their numbers; each is read when the iteration reaches it.
 
     Args:
-        path: A folder of a sweep (of a running sweep, the sealed shards are read), or one of its
-            shards, .tar or .h5.
+        path: A folder of a sweep (of a running sweep, the sealed shards are read; of one that is
+            made again by another program, those of the new program, with a warning), or one of
+            its shards, .tar or .h5.
         parts: The files of a sample to read, such as ("human", "card"); None: all.
 
     Yields:
@@ -57,10 +61,30 @@ def _of_folder(folder: Path, parts: Collection[str] | None) -> Iterator[dict[str
         raise FileError(
             f"{folder}: no shards here, expected the folder that `halfphysics sweep` wrote to"
         )
-    return _of_records(records, parts)
+    return _of_records(_current(folder, records), parts)
 
 
-def _of_records(records: list[Path], parts: Collection[str] | None) -> Iterator[dict[str, Any]]:
+def _current(folder: Path, records: list[Path]) -> Iterator[Path]:
+    """The records of the program that the folder is of: all of them except while it is made again.
+
+    Without the file that names the program (copied shards) that is not known.
+    """
+    of = (json_files.read(folder / NAME) or {}).get(OF)
+    warned = False
+    for path in records:
+        if of is None or (json_files.read(path) or {}).get("of") == of:
+            yield path
+        elif not warned:
+            warned = True
+            warnings.warn(
+                f"{path}: was made by another program than the one in {NAME}; such shards are left "
+                "out. Run the sweep again in its folder with --remake: they are made again",
+                HalfPhysicsWarning,
+                stacklevel=3,
+            )
+
+
+def _of_records(records: Iterable[Path], parts: Collection[str] | None) -> Iterator[dict[str, Any]]:
     for record in records:
         shard = record.with_suffix(".tar")
         if not shard.exists():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
-from halfphysics.actors import HandOver, Person, ReachFor, Seen, Wait
+from halfphysics.actors import HandOver, Other, Person, ReachFor, Seen, Wait
 from support.acted import body, range_excess, slide, smooth, until_done
 
 RNG = np.random.default_rng(1)
@@ -141,3 +141,14 @@ def test_an_unknown_target_is_named():
     person.reset()
     with pytest.raises(hp.errors.InputError, match="does not see 'cap'; it sees 'cup'"):
         person.next(1.0 / 30.0, cup_at((1.0, 0.0, 1.0)))
+
+
+def test_who_is_told_otherwise_before_it_hands_over_stops_turning():
+    person = Person(body(), goals=[HandOver(until=lambda seen: False, to=1)])
+    person.reset()
+    other = Other(hp.Pose([-2.0, 0.0, 0.9], Person(body()).reset().rotations), body())
+    person.next(1.0 / 30.0, Seen(others={1: other}))
+    person.do(Wait(5.0))
+    for _ in range(120):
+        person.next(1.0 / 30.0, Seen())
+    assert abs(person.heading) < 0.9, "one step, at most"

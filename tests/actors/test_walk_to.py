@@ -189,3 +189,19 @@ def test_who_is_told_to_a_place_that_is_taken_does_not_wait_for_ever():
 def test_impossible_goals_are_refused(make, words):
     with pytest.raises(hp.errors.InputError, match=words):
         make()
+
+
+def test_who_follows_does_not_walk_through_what_it_does_not_see():
+    """A wall is in between; its reference walked through the wall, and left its body before it."""
+    scene = walls(((0.2, 6.0, 2.0), (1.5, 0.0, 1.0)))
+    scene.add_object("ball", hp.Sphere(0.1), mass=1.0, position=(5.0, 0.0, 0.1))
+    person = Person(body(), goals=[Follow("ball")])
+    sim = hp.Simulator(scene, body=body(), settings=hp.actors.SETTINGS, fps=30)
+    frame = sim.reset(person.reset())
+    blocked = 0
+    for i in range(150):
+        frame = sim.step(person.next(1.0 / 30.0, Seen.of(sim, frame, time=i / 30.0)))
+        blocked = max(blocked, person.blocked)
+        # Two steps at this speed are 1.5 m: the one that met the wall, and the one that ends.
+        assert math.dist(person.place, body().joints(frame.poses[0])[0, :2]) < 1.5
+    assert blocked >= 1

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
-from halfphysics.actors import Other, Person, Seen, WalkTo, play
+from halfphysics.actors import Other, Person, Seen, Wait, WalkTo, play
 from halfphysics.actors.passersby import Passersby
 from halfphysics.actors.path import Path, Point
 from support.acted import body
@@ -132,3 +132,77 @@ def test_passersby_are_expected_where_they_go():
     assert not Passersby().in_the_way(Path([here, Point(5.0, 0.0)]), here)
     ahead = max(others.places(here), key=lambda at: -at[1])
     assert ahead[1] == pytest.approx(0.84 - 1.5 * 1.2, abs=0.5)
+
+
+def ahead(person, frames, seen=None):
+    """Some frames without a simulator: its body is where its reference is."""
+    for _ in range(frames):
+        person.next(1.0 / 30.0, seen or Seen())
+
+
+@pytest.mark.parametrize("told", ["do", "stop"])
+def test_who_is_stopped_on_the_way_stays_there(told):
+    """It walked back to where it had last arrived."""
+    person = Person(body(), goals=[WalkTo((6.0, 0.0))])
+    person.reset()
+    ahead(person, 100)
+    x = person.place.x
+    assert x > 2.0
+    if told == "do":
+        person.do(Wait(1.0))
+    else:
+        person.do()
+        person.walk(Point(6.0, 0.0), None, 1.2)
+        person.stop()
+    ahead(person, 300)
+    assert person.arrived
+    # Two steps at most, of 0.75 m, until feet allow it to stand.
+    assert x <= person.place.x < x + 1.5
+
+
+def test_who_is_pushed_and_told_to_stop_comes_back():
+    """It was not on its way: where it stood is where it comes back to."""
+    person = Person(body(), goals=[Wait(60.0)])
+    person.reset()
+    still = person.next(1.0 / 30.0, Seen())
+    away = hp.Pose(still.translation + np.array([0.3, 0.0, 0.0]), still.rotations)
+    ahead(person, 10, Seen(pose=away))
+    assert not person.arrived
+    person.stop()
+    ahead(person, 150)
+    np.testing.assert_allclose(person.place, (0.0, 0.0), atol=0.02)
+
+
+def until_blocked(tell):
+    """A body that stays where it is 1 m from the start; `tell` is called before every frame."""
+    person = Person(body())
+    pose, far = person.reset(), 0.0
+    held = pose
+    for _ in range(150):
+        tell(person)
+        seen = pose if pose.translation[0] < 1.0 else held
+        held = seen
+        pose = person.next(1.0 / 30.0, Seen(pose=seen))
+        far = max(far, float(pose.translation[0] - held.translation[0]))
+    return person, far
+
+
+def test_who_is_told_the_way_in_every_frame_notices_that_it_is_blocked():
+    """A heading that changes by 0.1 rad each frame; the reference left its body behind."""
+    side = [0.4]
+
+    def tell(person):
+        side[0] = -side[0]
+        person.walk(Point(5.0, side[0]), None, 1.2)
+
+    person, far = until_blocked(tell)
+    assert person.blocked >= 1
+    once, least = until_blocked(lambda p: p.goals or p.do(WalkTo((5.0, 0.0))))
+    assert once.blocked >= 1
+    assert far < least + 0.1
+
+
+def test_another_way_is_gone_at_once_by_who_is_blocked():
+    person, _ = until_blocked(lambda p: p.goals or p.do(WalkTo((5.0, 0.0))))
+    person.walk(Point(-3.0, 0.0), None, 1.2)
+    assert person.blocked == 0

@@ -246,3 +246,4 @@ class HandingOver:
     def end(self, me: Person) -> None:
         me.look(None)
         me.withdraw(self._goal.hand)
+        me.stop()

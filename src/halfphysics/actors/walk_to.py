@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 #: The speeds of a walk [m/s].
 SLOWEST, FASTEST = 0.2, 1.8
+# Who follows is told its way again where the place or the speed has changed by more [m], [m/s].
+_DIFFERS = 0.1
 
 
 @dataclass(frozen=True)
@@ -129,6 +131,7 @@ class Following:
 
     def __init__(self, goal: Follow) -> None:
         self._goal = goal
+        self._told: tuple[Point, float] | None = None
 
     def go_on(self, me: Person) -> bool:
         at, goal = me.point_of(self._goal.who), self._goal
@@ -139,10 +142,19 @@ class Following:
         if way > goal.distance + 0.25 or (way > goal.distance + 0.1 and not me.arrived):
             share = (way - goal.distance) / way
             to = Point(x + share * (at[0] - x), y + share * (at[1] - y))
-            me.walk(to, facing, min(goal.speed, 0.5 + way - goal.distance))
+            self._walk(me, to, facing, min(goal.speed, 0.5 + way - goal.distance))
         elif me.arrived and abs(me.turned_from(facing)) > 0.6:
             me.walk(me.place, facing, 1.0)
         return False
+
+    def _walk(self, me: Person, to: Point, facing: float, speed: float) -> None:
+        """Tell the way, but not in every frame: a way that is told anew is looked for anew."""
+        if self._told is not None and not me.arrived:
+            place, pace = self._told
+            if math.dist(to, place) < _DIFFERS and abs(speed - pace) < _DIFFERS:
+                return
+        me.walk(to, facing, speed)
+        self._told = to, speed
 
     def end(self, me: Person) -> None:
         me.look(None)

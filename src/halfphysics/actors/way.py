@@ -49,6 +49,8 @@ _WAIT, _AGAIN, _SETTLE = 0.9, 2.0, 0.7
 _BACK = 0.35
 # It comes back from this far [m].
 _HOME = 0.02
+# A goal this near to the old one, as a share of the way left to that, lies on about the same way.
+_ALIKE = 0.5
 # What it touched is thought to be this far around the contact [m], farther each time, and is
 # remembered so long [s].
 _AROUND, _REMEMBERED = 0.2, 12.0
@@ -73,8 +75,9 @@ class Way:
         """Forget everything; the person stands."""
         self._goal: Destination | None = None
         self._aim: Aim | None = None
+        self._told_anew = False
         self._catching = False
-        self._home = self._walker.centre
+        self._home: Foothold | None = self._walker.centre
         self._held, self._wait, self._calm = 0.0, 0.0, 0.0
         self._met: list[tuple[Array, float]] = []
         self._last: Array | None = None
@@ -118,13 +121,26 @@ class Way:
         return not self._walker.stepping and not self._walker.moving
 
     def go(self, to: Point, heading: float | None, speed: float) -> None:
-        """Go to a place, from the next step on."""
-        self._goal, self._aim = (to, heading, speed), None
-        self._catching, self._wait, self.blocked, self._retreat = False, 0.0, 0, None
+        """Go to a place, from the next step on.
+
+        Who is already on the way to about there keeps what it knows of that way: that it is
+        blocked, waits or steps back.
+        """
+        same_way = self._goal is not None and self._is_near(to, self._goal[0])
+        self._goal, self._told_anew = (to, heading, speed), True
         self.stuck, self._tried, self._nearest = "", 0.0, math.inf
+        if not same_way:
+            self._aim, self._catching = None, False
+            self._wait, self.blocked, self._retreat = 0.0, 0, None
+
+    def _is_near(self, to: Point, old: Point) -> bool:
+        """Whether the way to a place begins like that to another one."""
+        return math.dist(to, old) < max(NEARER, _ALIKE * math.dist(old, self._walker.centre[:2]))
 
     def stop(self) -> None:
-        """Stand as soon as feet allow."""
+        """Stand as soon as feet allow; who was on its way stays where it stands then."""
+        if self._goal is not None:
+            self._home = None
         self._goal, self._aim, self._catching = None, None, False
 
     # -- In every frame
@@ -177,7 +193,8 @@ class Way:
 
     def _stand(self, body: Array, offset: Array) -> None:
         """What a person does who stands and is to go nowhere now."""
-        centre, home = self._walker.centre, self._home
+        centre = self._walker.centre
+        home = self._home = centre if self._home is None else self._home
         if self._retreat is not None:
             (x, y), self._retreat = self._retreat, None
             self._to(Point(float(x), float(y)), centre.yaw)
@@ -263,8 +280,10 @@ class Way:
         to, heading, speed = goal
         centre = self._walker.centre
         here = Point(centre.x, centre.y)
-        if self._aim is not None and not self._others.in_the_way(self._aim.path, here):
+        known = self._aim is not None and not self._told_anew
+        if self._aim is not None and known and not self._others.in_the_way(self._aim.path, here):
             return
+        self._told_anew = False
         met = (at for at, _ in self._met)
         moving = self._plan.moving(seen, [*self._others.places(here), *met])
         path = route(self._plan, here, to, moving)
@@ -274,6 +293,6 @@ class Way:
         self._aim = Aim(path, heading, speed)
 
     @property
-    def home(self) -> Foothold:
-        """Where it comes back to."""
+    def home(self) -> Foothold | None:
+        """Where it comes back to; None: where it will stand."""
         return self._home

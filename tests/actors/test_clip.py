@@ -105,3 +105,13 @@ def test_a_reset_forgets_where_it_was_put(walk):
     again = clip.reset()
     np.testing.assert_array_equal(again.translation, first.translation)
     np.testing.assert_array_equal(again.rotations, first.rotations)
+
+
+def test_a_seam_fades_in_the_time_that_was_told_at_any_speed(walk):
+    """By the clock; at twice the speed it was gone in half of that."""
+    for speed in (1.0, 2.0):
+        clip = Clip(walk, body(), loop=True, speed=speed, fade=0.4)
+        assert clip._seam.seconds == pytest.approx(0.4 * speed)
+    assert Clip(walk, body(), loop=True, speed=5.0, fade=0.4)._seam.seconds == pytest.approx(
+        0.5 * walk.duration
+    )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
-from halfphysics.actors import Clip, Mixed, Person, Seen, WalkTo
+from halfphysics.actors import Clip, Mixed, Person, Seen, SitOn, WalkTo
 from halfphysics.actors.footprints import feet_of
 from halfphysics.actors.inertia import Inertia, State
 from halfphysics.base import rotations as rot
@@ -109,3 +109,22 @@ def test_what_cannot_be_played_is_refused(walk):
         mixed(walk).play("wlak")
     with pytest.raises(hp.errors.InputError, match="actors that can begin anywhere"):
         Mixed(body(), {})
+
+
+def test_a_person_that_sat_takes_over_standing(walk):
+    """It flew back to its seat, 8 m in a third of a second."""
+    person = Person(body(), goals=[SitOn((1.0, 0.0), heading=np.pi, stay=100.0)])
+    actor = Mixed(body(), {"person": person, "walk": Clip(walk, body(), loop=True)})
+    actor.reset()
+    for _ in range(330):
+        actor.next(1.0 / FPS, Seen())
+    assert person.sits
+    pelvis = []
+    for name, count in (("walk", 150), ("person", 30)):
+        actor.play(name, fade=0.4)
+        poses = [actor.next(1.0 / FPS, Seen()) for _ in range(count)]
+        pelvis += [body().joints(pose)[0] for pose in poses]
+    assert person.stands
+    ways = np.linalg.norm(np.diff(pelvis[150:], axis=0)[:, :2], axis=1)
+    assert ways.max() * FPS < 2.0, "no faster than it walks"
+    assert pelvis[-1][2] > 0.8, "it stands"

@@ -93,3 +93,30 @@ def test_who_stands_is_never_quite_still():
 def test_impossible_people_are_refused(make, words):
     with pytest.raises(hp.errors.InputError, match=words):
         make()
+
+
+class Replaces:
+    """A goal that tells the person others, and says what it then says."""
+
+    def __init__(self, says):
+        self.says = says
+
+    def task(self):
+        return self
+
+    def go_on(self, me):
+        me.do(WalkTo((1.0, 0.0)), Wait(1.0))
+        return self.says
+
+    def end(self, me):
+        pass
+
+
+@pytest.mark.parametrize("says", [True, False])
+def test_a_task_that_tells_other_goals_is_replaced_by_all_of_them(says):
+    person = Person(body(), goals=[Replaces(says)])
+    run(person, 1)
+    assert person.goals == (WalkTo((1.0, 0.0)), Wait(1.0))
+    run(person, 200)
+    assert person.done
+    assert person.place.x == pytest.approx(1.0, abs=1e-3)

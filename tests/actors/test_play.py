@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
-from halfphysics.actors import Clip, Person, WalkTo, play
+from halfphysics.actors import Clip, Person, Wait, WalkTo, play
 from support.acted import body
 
 
@@ -83,3 +83,26 @@ def test_an_actor_plays_one_person_by_whole_seeds():
         play([person, person], floor(), seconds=0.5)
     with pytest.raises(hp.errors.InputError, match="expected a seed of at least 0, found 'x'"):
         play(person, floor(), seconds=0.5, seed="x")
+
+
+def test_a_clip_is_simulated_with_its_own_body():
+    """It was the default body."""
+    small = hp.Body.default(stature=1.55)
+    motion = hp.scenarios.load("walk_into_wall").motion
+    result = play(Clip(motion, small), floor(), seconds=0.2)
+    assert result.people[0].body.stature == pytest.approx(1.55)
+
+
+def test_goals_told_before_are_played():
+    """Each time; and those of an episode are not kept for the next one."""
+    person = Person(body())
+    person.do(WalkTo((0.6, 0.0)))
+    person.then(Wait(0.1))
+    for _ in range(2):
+        play(person, floor(), seconds=3.0)
+        assert person.done
+        np.testing.assert_allclose(person.place, (0.6, 0.0), atol=0.01)
+    person.reset()
+    person.then(Wait(9.0))
+    person.reset()
+    assert person.goals == (WalkTo((0.6, 0.0)), Wait(0.1))

@@ -55,7 +55,8 @@ class Clip:
         speed: 1 as recorded, 2 twice as fast; above 0.
         place: Where the pelvis is at the first frame, (x, y) [m]; None: as recorded.
         heading: Where it faces then, about z [rad], 0 along +x; None: as recorded.
-        fade: After how long nothing is left of the end of the round before [s].
+        fade: After how long nothing is left of the end of the round before [s], at any speed;
+            half a round at most.
 
     Raises:
         InputError: An impossible value.
@@ -73,6 +74,7 @@ class Clip:
         heading: float | None = None,
         fade: float = 0.3,
     ) -> None:
+        self.body = body
         self.speed = number(speed, "Clip: speed", above=0.0)
         self.loop = bool(loop)
         self._pelvis = np.asarray(body.rest_joints)[0]
@@ -86,7 +88,9 @@ class Clip:
         roots, rotations = moved(roots, rotations, at, heading)
         self._fps, self._axes = motion.fps, np.array(motion.axes)
         self._roots, self._quats = roots, rot.continuous(rot.exp(rotations))
-        self._fade = min(number(fade, "Clip: fade", least=0.0, unit="s"), 0.5 * motion.duration)
+        # In time of the motion, as a seam is; half a round at most.
+        fades = self.speed * number(fade, "Clip: fade", least=0.0, unit="s")
+        self._fade = min(fades, 0.5 * motion.duration)
         self._last = len(roots) - 1
         turn = wrapped(_facing(self._quats[-1, 0]) - _facing(self._quats[0, 0]))
         turn = 0.0 if abs(turn) < _STRAIGHT else turn

@@ -83,13 +83,16 @@ class Person:
         self._way = Way(self._walker, FloorPlan(scene))
         self._poise = Poise(body, Figure(body, self._walker))
         self.reset()
+        self._is_new = True
 
     # -- An actor
 
     def reset(self, seed: int = 0) -> Pose:
-        """Stand at the start, with the first goals to do."""
+        """Stand at the start, with the first goals to do: those that it was made with, or that it
+        was told before the first frame and the first `reset`."""
         if not is_whole(seed, least=0, plain=False):
             raise InputError(f"Person.reset: expected a seed of at least 0, found {shown(seed)}")
+        self._is_new = False
         self._walker.stand_at(self._start)
         self._way.begin()
         self._pose = self._poise.begin(int(seed), self._walker.now())
@@ -102,12 +105,12 @@ class Person:
         return self._pose
 
     def restart(self, pose: Pose) -> Pose:
-        """Stand on the feet of a pose, with the goals that there are."""
+        """Stand on the feet of a pose with arms that hang, with the goals that there are."""
         left, right = feet_of(pose, self.body)
         self._walker.stand_on(left, right)
         self._way.begin()
         self._end_task()
-        self._pose = self._poise.pose(self._walker.now())
+        self._pose = self._poise.restart(self._walker.now())
         return self._pose
 
     def next(self, dt: float, seen: Seen) -> Pose:
@@ -150,10 +153,17 @@ class Person:
         checked = checked_goals(goals)
         self._end_task()
         self._goals, self._given_up = deque(checked), ()
+        self._note_first()
 
     def then(self, *goals: Goal) -> None:
         """Do these goals after all others."""
         self._goals.extend(checked_goals(goals))
+        self._note_first()
+
+    def _note_first(self) -> None:
+        """What a new person is told is as if it had been made with that."""
+        if self._is_new and self.time == 0.0:
+            self._first_goals = tuple(self._goals)
 
     @property
     def goals(self) -> tuple[Goal, ...]:
@@ -174,8 +184,10 @@ class Person:
         while self._goals:
             if self._task is None:
                 self._task = self._goals[0].task()
-            self._reason = ""
-            if not self._task.go_on(self) and not self._reason:
+            task, self._reason = self._task, ""
+            done = task.go_on(self) or bool(self._reason)
+            # A task that told other goals has been ended by that: they begin in the next frame.
+            if not done or self._task is not task:
                 return
             if self._reason:
                 self._given_up += (GivenUp(self._goals[0], self._reason),)

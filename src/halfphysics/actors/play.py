@@ -79,11 +79,11 @@ def play(
     """Let actors act in a scene for a time.
 
     Args:
-        actors: One person's actor, or several.
+        actors: One person's actor, or several; each is reset first.
         scene: Statics and objects; None: an empty one.
         seconds: How long [s].
         body: Their bodies, as for `halfphysics.Simulator`; None: those that actors say they have
-            (as a `Person` does), else the default body.
+            (as a `Person` and a `Clip` do), else the default body.
         fps: Frames per second.
         settings: As for `halfphysics.simulate`; None: `SETTINGS`.
         seed: Of the first actor; the others have the next ones.

@@ -48,10 +48,14 @@ class Poise:
 
     def begin(self, seed: int, stand: Stand) -> Pose:
         """Stand with arms that hang; to be called first. The sway is drawn from a seed."""
-        self.seat, self._stoop, self._look = Seat(), Stoop(), Look()
-        self.reaches = {side: Reach(self._body, self._figure, side) for side in SIDES}
         self._phases = np.random.default_rng(seed).uniform(0.0, 2.0 * math.pi, 4).tolist()
         self._time = 0.0
+        return self.restart(stand)
+
+    def restart(self, stand: Stand) -> Pose:
+        """Stand with arms that hang, whatever it did before; its sway goes on."""
+        self.seat, self._stoop, self._look = Seat(), Stoop(), Look()
+        self.reaches = {side: Reach(self._body, self._figure, side) for side in SIDES}
         return self.pose(stand)
 
     def palm(self, side: str) -> Vec:

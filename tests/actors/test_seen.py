@@ -48,3 +48,16 @@ def test_without_contacts_nothing_is_touched():
     assert (Seen().push == 0.0).all()
     assert len(Seen().touched_at) == 0
     assert not Seen().touched
+
+
+def test_a_person_sees_what_it_holds_itself():
+    scene = hp.Scene()
+    scene.add_static("floor", hp.Plane())
+    scene.add_object("ball", hp.Sphere(0.05), mass=0.2, position=(0.0, 3.0, 0.05))
+    pair = [Person(body()), Person(body(), place=(2.0, 0.0))]
+    sim = hp.Simulator(scene, body=[body(), body()], fps=30)
+    sim.reset([person.reset() for person in pair])
+    sim.attach("ball", "right_wrist", 1)
+    frame = sim.step([person.next(1.0 / 30.0, Seen()) for person in pair])
+    assert Seen.of(sim, frame, 0).held == frozenset()
+    assert Seen.of(sim, frame, 1).held == {"ball"}

@@ -206,3 +206,19 @@ def test_another_way_is_gone_at_once_by_who_is_blocked():
     person, _ = until_blocked(lambda p: p.goals or p.do(WalkTo((5.0, 0.0))))
     person.walk(Point(-3.0, 0.0), None, 1.2)
     assert person.blocked == 0
+
+
+def test_a_way_of_more_than_50_m_is_looked_for_again_on_the_way():
+    """It went straight on beyond 50 m, through walls."""
+    scene = floor()
+    scene.add_static("wall", hp.Box((0.4, 6.0, 2.0)), position=(60.0, 0.0, 1.0))
+    person = Person(body(), scene=scene, goals=[WalkTo((70.0, 0.0), speed=1.8)])
+    person.reset()
+    for _ in range(60 * 30):
+        person.next(1.0 / 30.0, Seen())
+        if abs(person.place.x - 60.0) < 1.0:
+            assert abs(person.place.y) > 3.0, "beside the wall"
+        if not person.goals:
+            break
+    assert person.done
+    np.testing.assert_allclose(person.place, (70.0, 0.0), atol=1e-3)

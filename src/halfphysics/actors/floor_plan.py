@@ -48,7 +48,7 @@ class FloorPlan:
         }
 
     def moving(self, seen: Seen, people: Iterable[Array] = ()) -> Array:
-        """Points (m, 2) of what may be elsewhere by now.
+        """Points (m, 2) of what may be elsewhere by now; not of what the person holds itself.
 
         Args:
             seen: Objects as they are.
@@ -58,7 +58,7 @@ class FloorPlan:
         found = [
             _placed(points, *objects[name])
             for name, points in self._objects.items()
-            if name in objects
+            if name in objects and name not in seen.held
         ]
         circles = [np.asarray(at) + _PERSON * _CIRCLE for at in people]
         return np.concatenate([_in_the_way(found), *circles])
@@ -74,18 +74,35 @@ class FloorPlan:
 
 
 def surface_points(vertices: Array, faces: NDArray[np.int32]) -> Array:
-    """Points (n, 3) on triangles, no farther from each other than `SPACING`."""
-    corners = np.asarray(vertices, dtype=np.float64)[faces]
-    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-    parts = np.maximum(1, np.ceil(edges / SPACING)).astype(int)
-    points = []
-    for count in np.unique(parts):
-        i, j = np.meshgrid(np.arange(count + 1), np.arange(count + 1), indexing="ij")
-        inner = (i + j) <= count
-        a, b = i[inner] / count, j[inner] / count
-        weights = np.stack([1.0 - a - b, a, b], axis=1)
-        points.append(np.einsum("kw,twx->tkx", weights, corners[parts == count]).reshape(-1, 3))
-    return np.concatenate(points) if points else np.zeros((0, 3))
+    """Points (n, 3) on triangles, no farther from each other than `SPACING`.
+
+    Rows parallel to a triangle's longest edge, each with as many points as it is long: a long thin
+    triangle has few.
+    """
+    corners = np.asarray(vertices, dtype=np.float64)[faces].reshape(-1, 3, 3)
+    edges = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+    first = edges.argmax(axis=1) if len(edges) else np.zeros(0, dtype=int)
+    each = np.arange(len(corners))
+    a, b, top = (corners[each, (first + k) % 3] for k in range(3))
+    area = np.linalg.norm(np.cross(b - a, top - a), axis=1)
+    height = area / np.maximum(edges[each, first], 1e-12)
+    of, up = _divided(height)
+    left, right = a[of] + up * (top - a)[of], b[of] + up * (top - b)[of]
+    row, along = _divided(np.linalg.norm(right - left, axis=1))
+    out: Array = left[row] + along * (right - left)[row]
+    return out
+
+
+def _divided(lengths: Array) -> tuple[NDArray[np.int64], Array]:
+    """Of lines of some lengths (n,) [m], points at most `SPACING` apart, both ends included.
+
+    Returns:
+        For each point the number of its line (k,), and its share of the way (k, 1).
+    """
+    parts = np.maximum(1, np.ceil(lengths / SPACING - 1e-9)).astype(np.int64)
+    line = np.repeat(np.arange(len(parts)), parts + 1)
+    nth = np.arange(len(line)) - np.repeat(np.cumsum(parts + 1) - (parts + 1), parts + 1)
+    return line, (nth / parts[line])[:, None]
 
 
 def _standing(static: Any) -> Array:

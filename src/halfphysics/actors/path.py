@@ -20,9 +20,11 @@ class Path:
 
     Args:
         points: At least one; points that coincide count once.
+        foreseen: Distance along it up to which the way was looked for [m]: what comes after that
+            is only a direction. None: all of it.
     """
 
-    def __init__(self, points: Sequence[Point]) -> None:
+    def __init__(self, points: Sequence[Point], foreseen: float | None = None) -> None:
         self.points = [points[0]]
         self._at = [0.0]
         for point in points[1:]:
@@ -30,6 +32,7 @@ class Path:
             if way > 1e-9:
                 self.points.append(point)
                 self._at.append(self._at[-1] + way)
+        self.foreseen = self.length if foreseen is None else foreseen
 
     @property
     def length(self) -> float:

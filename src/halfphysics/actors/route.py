@@ -28,13 +28,16 @@ _ENDS = 0.6
 _TIGHT, _BEYOND = 4.0, 12.0
 # How far ahead a way is looked for [m]: from there on it goes straight on.
 _FORESEEN = 50.0
+# A part of a way that is shorter leads nowhere [m].
+_SOMEWHERE = 1.0
 _SIDES = [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)]
 
 
 def route(plan: FloorPlan, start: Point, end: Point, moving: Array) -> Path | None:
     """A way around what is in between; None: there is none.
 
-    Of an end that is far away only the first 50 m are looked for.
+    Of an end that is far away only the first 50 m are looked for (`Path.foreseen`): to the point
+    there, or where nothing leads to that, to the nearest one that can be reached.
 
     Args:
         plan: What stands there.
@@ -45,14 +48,27 @@ def route(plan: FloorPlan, start: Point, end: Point, moving: Array) -> Path | No
     if way > _FORESEEN * (1.0 + 1e-9):
         share = _FORESEEN / way
         near = Point(start.x + share * (end.x - start.x), start.y + share * (end.y - start.y))
-        first = route(plan, start, near, moving)
-        return None if first is None else Path([*first.points, end])
+        first = _found(plan, start, near, moving, partly=True)
+        if first is None or math.dist(start, first.end) < _SOMEWHERE:
+            return None
+        return Path([*first.points, end], foreseen=first.length)
+    return _found(plan, start, end, moving)
+
+
+def _found(
+    plan: FloorPlan, start: Point, end: Point, moving: Array, partly: bool = False
+) -> Path | None:
+    """A way; where none leads to the end and `partly`, one to the nearest place that can be
+    reached."""
     if _clear(plan, moving, start, end):
         return Path([start, end])
     for margin in _MARGINS:
-        cells = _Grid(plan, moving, start, end, margin).search()
+        last = partly and margin == _MARGINS[-1]
+        grid = _Grid(plan, moving, start, end, margin)
+        cells = grid.search(partly=last)
         if cells:
-            tight = _pulled([start, *cells[1:-1], end], plan, moving)
+            there = cells[-1] if grid.ends_short else end
+            tight = _pulled([start, *cells[1:-1], there], plan, moving)
             return Path(tight).rounded()
     return None
 
@@ -105,13 +121,16 @@ class _Grid:
         cost[free < NARROW] = np.where(ends[free < NARROW] < _ENDS, _BEYOND, np.inf)
         self._cost: list[list[float]] = cost.reshape(self._count).tolist()
         self._start, self._end = self._cell(start), self._cell(end)
+        #: Whether the last search found only a place near the end.
+        self.ends_short = False
 
     def _cell(self, at: Point) -> tuple[int, int]:
         i, j = np.rint((np.array(at) - self._low) / _CELL).astype(int)
         return int(i), int(j)
 
-    def search(self) -> list[Point]:
-        """Cells from start to end, none where there is no way."""
+    def search(self, partly: bool = False) -> list[Point]:
+        """Cells from start to end, none where there is no way; then, if `partly`, to the cell
+        nearest to the end of those that can be reached."""
         start, end, cost = self._start, self._end, self._cost
         best = {start: 0.0}
         before: dict[tuple[int, int], tuple[int, int]] = {}
@@ -120,7 +139,7 @@ class _Grid:
         while open_:
             _, at = heapq.heappop(open_)
             if at == end:
-                return self._way(before)
+                return self._way(before, end)
             if at in done:
                 continue
             done.add(at)
@@ -134,10 +153,15 @@ class _Grid:
                 if new < best.get(to, math.inf):
                     best[to], before[to] = new, at
                     heapq.heappush(open_, (new + math.dist(to, end), to))
-        return []
+        if not partly:
+            return []
+        self.ends_short = True
+        return self._way(before, min(done, key=lambda cell: (math.dist(cell, end), cell)))
 
-    def _way(self, before: dict[tuple[int, int], tuple[int, int]]) -> list[Point]:
-        cells = [self._end]
+    def _way(
+        self, before: dict[tuple[int, int], tuple[int, int]], end: tuple[int, int]
+    ) -> list[Point]:
+        cells = [end]
         while cells[-1] in before:
             cells.append(before[cells[-1]])
         x, y = self._low

@@ -60,6 +60,8 @@ class Seen:
         contacts: Contacts of the last frame; None: none are known.
         person: Index of the person in `contacts`.
         names: What `contacts.other` refers to.
+        held: Names of the objects that the person itself holds (`Simulator.attach`): they are not
+            in its way.
     """
 
     time: float = 0.0
@@ -69,6 +71,7 @@ class Seen:
     contacts: ContactRows | None = None
     person: int = 0
     names: Sequence[str] = ()
+    held: frozenset[str] = frozenset()
 
     @classmethod
     def of(cls, sim: Simulator, frame: Frame, person: int = 0, *, time: float = 0.0) -> Seen:
@@ -91,6 +94,7 @@ class Seen:
             contacts=frame.contacts,
             person=person,
             names=sim.names,
+            held=frozenset(name for name, (who, _) in sim.held.items() if who == person),
         )
 
     @property

@@ -49,6 +49,8 @@ _WAIT, _AGAIN, _SETTLE = 0.9, 2.0, 0.7
 _BACK = 0.35
 # It comes back from this far [m].
 _HOME = 0.02
+# This much before the end of what was looked for of its way, or half of that, it looks again [m].
+_LOOKS = 10.0
 # A goal this near to the old one, as a share of the way left to that, lies on about the same way.
 _ALIKE = 0.5
 # What it touched is thought to be this far around the contact [m], farther each time, and is
@@ -280,8 +282,7 @@ class Way:
         to, heading, speed = goal
         centre = self._walker.centre
         here = Point(centre.x, centre.y)
-        known = self._aim is not None and not self._told_anew
-        if self._aim is not None and known and not self._others.in_the_way(self._aim.path, here):
+        if self._aim is not None and not self._told_anew and self._is_open(self._aim.path, here):
             return
         self._told_anew = False
         met = (at for at, _ in self._met)
@@ -291,6 +292,14 @@ class Way:
             self._aim, self._wait = None, _AGAIN
             return
         self._aim = Aim(path, heading, speed)
+
+    def _is_open(self, path: Path, here: Point) -> bool:
+        """Whether a way can be gone on along: nobody is in it, and it is known far enough."""
+        if path.foreseen < path.length:
+            left = path.foreseen - path.nearest(*here)
+            if left < min(_LOOKS, 0.5 * path.foreseen):
+                return False
+        return not self._others.in_the_way(path, here)
 
     @property
     def home(self) -> Foothold | None:

@@ -152,3 +152,20 @@ def test_who_is_told_otherwise_before_it_hands_over_stops_turning():
     for _ in range(120):
         person.next(1.0 / 30.0, Seen())
     assert abs(person.heading) < 0.9, "one step, at most"
+
+
+@pytest.mark.parametrize("stature", [1.0, 1.9])
+def test_children_and_tall_people_sink_by_their_own_legs(stature):
+    """Their points are those of the default body, scaled. A child's pelvis was in the floor."""
+    own = hp.Body.default(stature=stature)
+    size = Person(own).leg / Person(body()).leg
+    for height in (0.1, 0.2, 0.4, 0.7):
+        x, y, z = 0.35 * size, -0.15 * size, height * size
+        person = Person(own, goals=[ReachFor((x, y, z))])
+        poses = [person.reset()]
+        while not person.done and len(poses) < 400:
+            poses.append(person.next(1.0 / 30.0, Seen()))
+        assert person.done
+        lowest = min(float(own.vertices(pose)[:, 2].min()) for pose in poses[::5])
+        # Half a centimetre of a finger, at most.
+        assert lowest > -0.005

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
 import halfphysics as hp
 from halfphysics.actors import Person, Seen, SitOn, StandUp, WalkTo, play
+from halfphysics.actors.seat import seat_pelvis
 from support.acted import body, range_excess, slide, smooth, until_done
 
 SIT = SitOn((-1.0, 0.0), height=0.44, heading=0.0, stay=1.0)
@@ -84,3 +87,38 @@ def test_a_seat_behind_walls_is_given_up():
 def test_impossible_seats_are_refused():
     with pytest.raises(hp.errors.InputError, match=r"SitOn: height: expected a number from 0.3"):
         SitOn((0.0, 0.0), height=0.1)
+
+
+def simulated(goal, own, most=20.0):
+    """A person sits on a bench 0.5 m deep, its place 0.15 m behind the edge; person and pelvis."""
+    scene = hp.Scene()
+    scene.add_static("floor", hp.Plane())
+    scene.add_static("bench", hp.Box((1.2, 0.5, goal.height)), position=(0, 1.5, goal.height / 2))
+    person = Person(own, place=(0.0, 0.6), heading=-1.5, scene=scene, goals=[goal])
+    sim = hp.Simulator(scene, body=own, settings=hp.actors.SETTINGS, fps=30)
+    frame = sim.reset(person.reset())
+    for i in range(round(30 * most)):
+        frame = sim.step(person.next(1.0 / 30.0, Seen.of(sim, frame, time=i / 30.0)))
+        if not person.goals:
+            break
+    return person, own.joints(frame.poses[0])[0]
+
+
+@pytest.mark.parametrize("height", [0.3, 0.45, 0.55])
+def test_bodies_come_to_rest_on_the_seat(height):
+    """On one of 0.55 m it was 6 cm off: its thighs were in the edge."""
+    goal = SitOn((0.0, 1.4), height=height, heading=-math.pi / 2, stay=1.0)
+    person, pelvis = simulated(goal, body())
+    assert person.done
+    np.testing.assert_allclose(pelvis, seat_pelvis(goal.place, height, person.leg), atol=0.04)
+
+
+@pytest.mark.parametrize(("stature", "height"), [(None, 0.7), (1.2, 0.45)])
+def test_a_seat_that_is_too_high_is_given_up(stature, height):
+    """It was done, with a body that leaned on the edge."""
+    own = body() if stature is None else hp.Body.default(stature=stature)
+    goal = SitOn((0.0, 1.4), height=height, heading=-math.pi / 2, stay=1.0)
+    person, _ = simulated(goal, own)
+    assert not person.done
+    (given_up,) = person.given_up
+    assert given_up.reason.startswith("(0, 1.4) was not sat on: the body is 0.")

@@ -121,6 +121,8 @@ class Figure:
     def __init__(self, body: Body, walker: Walker) -> None:
         joints = np.asarray(body.rest_joints)
         self.body, self._legs = body, walker.legs
+        #: Length of a leg [m].
+        self.leg = walker.legs["left"].length
         self.arms = {side: ArmBones.of(body, side) for side in SIDES}
         self._pelvis = vec(joints[0])
         self._up = tuple(

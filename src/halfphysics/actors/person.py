@@ -237,6 +237,13 @@ class Person:
         return self._poise.seat.free
 
     @property
+    def away(self) -> float:
+        """How far its simulated pelvis is from where its reference was to be [m]."""
+        if self.seen.pose is None:
+            return 0.0
+        return math.dist(pelvis_of(self.seen.pose, self.body), pelvis_of(self._pose, self.body))
+
+    @property
     def leg(self) -> float:
         """Length of its legs [m]."""
         return self._walker.legs["left"].length

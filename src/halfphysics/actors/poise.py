@@ -45,6 +45,7 @@ class Poise:
 
     def __init__(self, body: Body, figure: Figure) -> None:
         self._body, self._figure = body, figure
+        self._leg = figure.leg
 
     def begin(self, seed: int, stand: Stand) -> Pose:
         """Stand with arms that hang; to be called first. The sway is drawn from a seed."""
@@ -54,7 +55,7 @@ class Poise:
 
     def restart(self, stand: Stand) -> Pose:
         """Stand with arms that hang, whatever it did before; its sway goes on."""
-        self.seat, self._stoop, self._look = Seat(), Stoop(), Look()
+        self.seat, self._stoop, self._look = Seat(), Stoop(self._leg), Look()
         self.reaches = {side: Reach(self._body, self._figure, side) for side in SIDES}
         return self.pose(stand)
 

@@ -12,6 +12,9 @@ from halfphysics.actors.turns import Vec, about_x, about_y, multiply, plus, time
 #: Of a person who sits, by the length of its legs: how far the pelvis is behind the ankles, and
 #: its joint above the seat, which gives by two centimetres.
 BEHIND, ABOVE = 0.51, 0.11
+# Thighs slope down from a seat higher than this by the length of a leg, over its edge: by this much
+# of what it is higher, the pelvis is higher above it.
+_KNEES, _HIGHER = 0.55, 0.35
 # Times of sitting down [s]: until the pelvis is down, and until the trunk leans forwards most.
 _DOWN, _FORWARD = 1.5, 0.9
 # Times of standing up: until the trunk leans forwards most, then until the person stands.
@@ -135,7 +138,7 @@ class Seat:
 
 def seat_pelvis(place: tuple[float, float], height: float, leg: float) -> Vec:
     """Where the pelvis joint of a person with legs of a length is on a seat [m]."""
-    return (place[0], place[1], height + ABOVE * leg)
+    return (place[0], place[1], height + ABOVE * leg + _HIGHER * max(0.0, height - _KNEES * leg))
 
 
 def feet_before(place: tuple[float, float], heading: float, leg: float) -> tuple[float, float]:

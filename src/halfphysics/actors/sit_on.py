@@ -13,13 +13,16 @@ if TYPE_CHECKING:
     from halfphysics.actors.person import Person
 
 _SPEED = 1.0
+# A body this far from where it is to sit is not on the seat [m]; after so long it is given up [s].
+_OFF, _PATIENCE = 0.1, 1.0
 
 
 @dataclass(frozen=True)
 class SitOn:
     """Walk to a seat, sit down and stay for a time.
 
-    A seat that it cannot walk to is given up, as by `WalkTo`.
+    A seat that it cannot walk to is given up, as by `WalkTo`; and so is one on which its body does
+    not come to rest within 0.1 m of the place, such as one that is too high for it.
 
     Attributes:
         place: Where the pelvis rests on it (x, y) [m].
@@ -53,7 +56,7 @@ class Sitting:
     def __init__(self, goal: SitOn) -> None:
         self._goal = goal
         self._walks, self._sits = False, False
-        self._sat = 0.0
+        self._sat, self._missed = 0.0, 0.0
 
     def go_on(self, me: Person) -> bool:
         goal = self._goal
@@ -66,9 +69,21 @@ class Sitting:
         if not self._sits and me.arrived and me.stands:
             me.sit(seat_pelvis(goal.place, goal.height, me.leg))
             self._sits = True
-        if self._sits and me.sits:
-            self._sat += me.dt
-        return self._sits and me.sits and self._sat >= goal.stay
+        return self._sits and me.sits and self._is_done(me)
+
+    def _is_done(self, me: Person) -> bool:
+        """Of who sits, as far as its reference goes."""
+        goal = self._goal
+        if me.away > _OFF:
+            self._missed += me.dt
+            if self._missed > _PATIENCE:
+                me.rise()
+                x, y = goal.place
+                return me.give_up(f"({x:g}, {y:g}) was not sat on: the body is {me.away:.2f} m off")
+            return False
+        self._missed = 0.0
+        self._sat += me.dt
+        return self._sat >= goal.stay
 
     def end(self, me: Person) -> None:
         me.stop()

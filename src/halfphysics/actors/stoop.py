@@ -9,8 +9,10 @@ from halfphysics.actors.glides import Spring
 from halfphysics.actors.stride import Stand
 from halfphysics.actors.turns import Vec, about_x, multiply, plus, wrapped
 
-#: The farthest that the trunk leans [rad], and sinks [m].
+#: The farthest that the trunk leans [rad], and sinks [m]. All lengths here are those of a person
+#: with legs of `_LEG` [m]; they are as much longer as legs are.
 MOST, LOWEST = 0.9, 0.42
+_LEG = 0.83
 # An arm is comfortable up to this share of its length; lean by this much for what lacks [rad/m].
 _EASY, _GAIN = 0.9, 2.0
 # The pelvis's share of a lean; how far it goes back, by the lean [m/rad].
@@ -22,9 +24,14 @@ _TURN = 0.45
 
 
 class Stoop:
-    """Lean, turn and sinking of a person who reaches."""
+    """Lean, turn and sinking of a person who reaches.
 
-    def __init__(self) -> None:
+    Args:
+        leg: Length of the person's legs [m].
+    """
+
+    def __init__(self, leg: float) -> None:
+        self._size = leg / _LEG
         self._lean, self._twist = Spring(0.3), Spring(0.3)
         self._aside, self._sink = Spring(0.3), Spring(0.35)
 
@@ -51,7 +58,7 @@ class Stoop:
             return
         length, shoulder, point, left, yaw = need
         lacks = math.dist(shoulder, point) - _EASY * length
-        lean = min(max(self._lean.value + _GAIN * lacks, 0.0), MOST)
+        lean = min(max(self._lean.value + _GAIN * lacks / self._size, 0.0), MOST)
         dx, dy = point[0] - shoulder[0], point[1] - shoulder[1]
         aside = min(max(wrapped(math.atan2(dy, dx) - yaw), -1.2), 1.2)
         if math.hypot(dx, dy) < 0.1:
@@ -59,7 +66,7 @@ class Stoop:
         self._lean.advance(lean, dt)
         self._aside.advance(aside, dt)
         self._twist.advance(-left * _TURN * min(1.0, 0.25 + lean / 0.4) + 0.25 * aside, dt)
-        self._sink.advance(min(max(_SINK * (_LOW - point[2]), 0.0), LOWEST), dt)
+        self._sink.advance(min(max(_SINK * (_LOW - point[2] / self._size), 0.0), LOWEST), dt)
 
     def trunk(self, trunk: Trunk) -> Trunk:
         """The spine, leaning."""
@@ -75,6 +82,7 @@ class Stoop:
         back = _BACK * lean + 0.15 * sink
         down = sink + 0.7 * back * back
         c, s = math.cos(stand.yaw), math.sin(stand.yaw)
+        back, down = back * self._size, down * self._size
         pelvis = plus(stand.pelvis, (-back * c, -back * s, -down))
         tilt = _PELVIS * lean + 0.5 * sink
         return stand._replace(pelvis=pelvis, root=multiply(stand.root, about_x(tilt)))

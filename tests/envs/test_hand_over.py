@@ -95,3 +95,19 @@ def test_the_person_comes_only_for_what_is_offered():
     assert away > 0.22
     assert task.people.wrist[0] == pytest.approx(task.people.hangs, abs=0.02)
     assert COMFORT[2] > task.people.hangs[2]
+
+
+def test_a_person_who_is_hurt_in_the_last_step_is_no_success(monkeypatch):
+    """The cup is handed over, and the push that ends the episode comes in the same step."""
+    task, script = HandOver(1), policies.scripted("HandOver")
+    monkeypatch.setattr("halfphysics.envs.hand_over.HURT", -1.0)
+    task.seed(0, 3)
+    task.begin(0)
+    for _ in range(120):
+        outcome, _ = task.step(script(task.observe()))
+        if outcome.info["done"][0]:
+            break
+        task._episodes.over[0] = False
+    assert outcome.info["done"][0] == 5.0
+    assert outcome.info["hurt"][0] == -3.0
+    assert outcome.info["success"][0] == 0.0

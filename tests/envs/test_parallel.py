@@ -50,3 +50,9 @@ def test_mistakes():
         env.step({"robot": np.zeros(2)})
     with pytest.raises(InputError, match="step: action"):
         env.step({"robot": np.zeros(2), "human": np.zeros(3)})
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5, "one"])
+def test_impossible_seeds(seed):
+    with pytest.raises(InputError, match="seed: found"):
+        parallel_env("Corridor").reset(seed=seed)

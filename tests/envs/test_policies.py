@@ -51,3 +51,28 @@ def test_mistakes():
         policies.scripted("HandOvr")
     with pytest.raises(InputError, match="episodes: found 0"):
         score("HandOver", policies.random("HandOver"), episodes=0)
+
+
+@pytest.mark.parametrize(
+    ("actions", "words"),
+    [
+        (lambda n: np.zeros((n, 3)), r"(?s)policy: actions: found .*shape \(2, 4\)"),
+        (lambda n: np.zeros(4), "policy: actions: found"),
+        (lambda n: np.full((n, 4), np.nan), "expected finite numbers"),
+        (lambda n: None, "policy: actions: found None"),
+    ],
+)
+def test_policies_that_give_no_actions_have_no_score(actions, words):
+    """Such as a network that has diverged: its NaN were scored as zeros."""
+    with pytest.raises(InputError, match=words):
+        score("HandOver", lambda seen: actions(len(seen)), episodes=2, worlds=2)
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5, "one", None, True])
+def test_impossible_seeds(seed):
+    with pytest.raises(InputError, match="seed: found"):
+        policies.random("HandOver", seed=seed)
+    with pytest.raises(InputError, match="seed: found"):
+        score("HandOver", policies.scripted("HandOver"), episodes=1, seed=seed)
+    with pytest.raises(InputError, match="seed: found"):
+        task_class("HandOver")(1).seed(0, seed)

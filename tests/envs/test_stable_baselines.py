@@ -6,6 +6,7 @@ import pytest
 pytest.importorskip("stable_baselines3")
 
 from halfphysics.envs.stable_baselines import StableVecEnv
+from halfphysics.errors import InputError
 
 
 def test_episodes_begin_again_at_once():
@@ -31,3 +32,13 @@ def test_ppo_learns_from_it():
     model = PPO("MlpPolicy", env, n_steps=8, batch_size=16, n_epochs=1, device="cpu")
     model.learn(16)
     assert model.num_timesteps == 16
+
+
+def test_mistakes():
+    with pytest.raises(InputError, match="seed: found 'one'"):
+        StableVecEnv("Corridor", 2, threads=1, seed="one")
+    env = StableVecEnv("Corridor", 2, threads=1)
+    with pytest.raises(InputError, match=r"call reset\(\) first"):
+        env.step(np.zeros((2, 2)))
+    env.reset()
+    env.step(np.zeros((2, 2)))

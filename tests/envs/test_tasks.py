@@ -28,3 +28,9 @@ def test_a_name_that_is_not_there():
 def test_impossible_numbers(given, words):
     with pytest.raises(InputError, match=words):
         task_class("HandOver")(**({"count": 1} | given))
+
+
+@pytest.mark.parametrize("name", [["HandOver"], None, 3, b"HandOver"])
+def test_what_is_no_name_is_refused(name):
+    with pytest.raises(InputError, match="task: found"):
+        task_class(name)

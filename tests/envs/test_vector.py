@@ -9,6 +9,7 @@ import halfphysics.envs  # noqa: F401 - registers
 from halfphysics.envs import policies
 from halfphysics.envs.tasks import names
 from halfphysics.errors import InputError
+from support.paths import ROOT
 
 #: Steps that see a hand-over through, from the first reach to the cup's last touch.
 STEPS = 75
@@ -103,6 +104,13 @@ def test_some_of_them_begin_by_a_mask():
         env.step(act)
     env.reset(seed=[4, None], options={"reset_mask": np.array([True, False])})
     assert env.task.over.tolist() == [False, True]
+
+
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep", "Disabled"])
+def test_modes_have_the_names_that_the_document_has(mode):
+    assert f'"{mode}"' in (ROOT / "docs" / "envs.md").read_text(encoding="utf-8")
+    many = gymnasium.make_vec("halfphysics/HandOver-v0", 1, threads=1, autoreset_mode=mode)
+    assert many.metadata["autoreset_mode"].value == mode
 
 
 def test_mistakes():

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.optional_package import optional
+from halfphysics.base.validation import shown
+from halfphysics.errors import InputError
 
 Array = NDArray[np.float64]
 
@@ -77,3 +79,25 @@ class Layout:
             )
             at = end + 1
         return "\n".join(lines)
+
+
+def checked_actions(actions: Any, shape: tuple[int, ...], what: str = "step: action") -> Array:
+    """Actions as an array; what is finite but out of range is cut off later (`Layout.checked`).
+
+    Args:
+        actions: As somebody gave them.
+        shape: Theirs.
+        what: They are, for the error.
+
+    Raises:
+        InputError: Another shape, or what is no finite number.
+    """
+    try:
+        given = np.asarray(actions, dtype=np.float64)
+    except (TypeError, ValueError):
+        given = np.empty(0)
+    if given.shape != shape:
+        raise InputError(f"{what}: found {shown(actions)}, expected numbers of shape {shape}")
+    if not np.isfinite(given).all():
+        raise InputError(f"{what}: found {shown(actions)}, expected finite numbers")
+    return given

@@ -221,12 +221,13 @@ class HandOver(Task):
             "hurt": -3.0 * (force > HURT),
         }
         self._far, self._spread = far, spread
-        ended = alone | (terms["dropped"] < 0.0) | (terms["hurt"] < 0.0)
-        info = {**terms, "success": 1.0 * alone, "force_on_person": force}
+        harm = (terms["dropped"] < 0.0) | (terms["hurt"] < 0.0)
+        info = {**terms, "success": 1.0 * (alone & ~harm), "force_on_person": force}
         mine = ("take", "force", "time", "done", "dropped", "hurt")
         reach = -0.01 * _length(self._seen["cup"] - self._seen["palm"])
         human = sum((terms[name] for name in mine), reach)
-        return Outcome(sum(terms.values(), np.zeros(self.count)), human, ended, info)
+        reward = sum(terms.values(), np.zeros(self.count))
+        return Outcome(reward, human, alone | harm, info)
 
     def observe(self) -> NDArray[np.float32]:
         seen, moving, motors = self._seen, self._moving, self.worlds.motors

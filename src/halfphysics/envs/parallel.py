@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.optional_package import optional
+from halfphysics.envs.channels import checked_actions
 from halfphysics.envs.pictures import SIZE, checked_size, picture
-from halfphysics.envs.single import checked_actions, checked_render_mode
+from halfphysics.envs.single import checked_render_mode
 from halfphysics.envs.tasks import task_class
 from halfphysics.errors import InputError
 
@@ -71,7 +72,11 @@ class ParallelEnv(_Env):  # type: ignore[misc]
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, NDArray[np.float32]], dict[str, dict[str, Any]]]:
-        """Begin an episode; the same seed begins the same one. `options` change nothing."""
+        """Begin an episode; the same seed begins the same one. `options` change nothing.
+
+        Raises:
+            InputError: A seed that is no whole number from 0 on.
+        """
         if seed is not None:
             self.task.seed(0, seed)
         elif not self._seeded:

@@ -14,6 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import is_whole, shown
+from halfphysics.envs.channels import checked_actions
+from halfphysics.envs.task import checked_seed
 from halfphysics.envs.tasks import task_class
 from halfphysics.errors import InputError
 
@@ -25,9 +27,9 @@ def random(task: str, seed: int = 0) -> Policy:
     """Actions by chance, each uniform over its range.
 
     Raises:
-        InputError: A task that there is not.
+        InputError: A task that there is not, a seed that is no whole number from 0 on.
     """
-    actions, chance = task_class(task).actions, np.random.default_rng(seed)
+    actions, chance = task_class(task).actions, np.random.default_rng(checked_seed(seed))
 
     def policy(seen: NDArray[np.float32]) -> Array:
         return chance.uniform(actions.low, actions.high, (len(seen), actions.size))
@@ -94,12 +96,13 @@ def score(
         threads: Number of threads; no number depends on it.
 
     Raises:
-        InputError: An impossible number, or a task that there is not.
+        InputError: An impossible number, a task that there is not, actions of another shape or
+            that are not finite.
     """
     for name, value in (("episodes", episodes), ("worlds", worlds)):
         if not is_whole(value, least=1):
             raise InputError(f"{name}: found {shown(value)}, expected a whole number from 1 on")
-    count = min(worlds, episodes)
+    seed, count = checked_seed(seed), min(worlds, episodes)
     run = task_class(task)(count, threads=threads)
     which = np.arange(count)
     sums, lengths, won = np.zeros(episodes), np.zeros(episodes), np.zeros(episodes)
@@ -109,7 +112,8 @@ def score(
     following = count
     while not run.over.all():
         active = ~run.over
-        outcome, _ = run.step(policy(run.observe()))
+        given = policy(run.observe())
+        outcome, _ = run.step(checked_actions(given, (count, run.actions.size), "policy: actions"))
         sums[which[active]] += outcome.reward[active]
         lengths[which[active]] += 1
         for i in map(int, np.flatnonzero(run.over & active)):

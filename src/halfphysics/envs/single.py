@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base.optional_package import optional
 from halfphysics.base.validation import shown
+from halfphysics.envs.channels import checked_actions
 from halfphysics.envs.pictures import SIZE, checked_size, picture
 from halfphysics.envs.tasks import task_class
 from halfphysics.errors import InputError
@@ -93,20 +94,3 @@ def checked_render_mode(mode: Any) -> str | None:
     if mode is not None and mode not in RENDER_MODES:
         raise InputError(f"render_mode: found {shown(mode)}, expected 'rgb_array' or None")
     return None if mode is None else str(mode)
-
-
-def checked_actions(actions: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:
-    """Actions as an array; what is finite but out of range is cut off later (`Layout.checked`).
-
-    Raises:
-        InputError: Another shape, or what is no finite number.
-    """
-    try:
-        given = np.asarray(actions, dtype=np.float64)
-    except (TypeError, ValueError):
-        given = np.empty(0)
-    if given.shape != shape:
-        raise InputError(f"step: action: found {shown(actions)}, expected numbers of shape {shape}")
-    if not np.isfinite(given).all():
-        raise InputError(f"step: action: found {shown(actions)}, expected finite numbers")
-    return given

@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 
 from halfphysics.base.machine import cores
 from halfphysics.base.optional_package import optional
+from halfphysics.envs.channels import checked_actions
 from halfphysics.envs.pictures import picture
-from halfphysics.envs.single import checked_actions
+from halfphysics.envs.task import checked_seed
 from halfphysics.envs.tasks import task_class
+from halfphysics.errors import InputError
 
 _vec_env = optional("stable_baselines3.common.vec_env", "learners of stable-baselines3", "ppo")
 _VecEnv: Any = _vec_env.VecEnv
@@ -52,8 +54,13 @@ class StableVecEnv(_VecEnv):  # type: ignore[misc]
         self.seed(seed)
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
-        """Seeds of all episodes from the next `reset` on."""
+        """Seeds of all episodes from the next `reset` on.
+
+        Raises:
+            InputError: A seed that is no whole number from 0 on.
+        """
         if seed is not None:
+            seed = checked_seed(seed)
             for i in range(self.num_envs):
                 self.task.seed(i, seed + i)
         return [None if seed is None else seed + i for i in range(self.num_envs)]
@@ -66,7 +73,13 @@ class StableVecEnv(_VecEnv):  # type: ignore[misc]
         return self.task.observe()
 
     def step_async(self, actions: Any) -> None:
-        """Take the actions (N, A) of the next `step_wait`."""
+        """Take the actions (N, A) of the next `step_wait`.
+
+        Raises:
+            InputError: Before `reset`, actions of another shape, what is no finite number.
+        """
+        if self.task.over.any():
+            raise InputError("step: the episodes have not begun; call reset() first")
         self._given = checked_actions(actions, (self.num_envs, self.task.actions.size))
 
     def step_wait(

@@ -62,6 +62,17 @@ class Counts:
         self.over = np.ones(len(self.steps), dtype=bool)
 
 
+def checked_seed(seed: Any) -> int:
+    """A seed as an int.
+
+    Raises:
+        InputError: No whole number from 0 on.
+    """
+    if not is_whole(seed, least=0, plain=False):
+        raise InputError(f"seed: found {shown(seed)}, expected a whole number from 0 on")
+    return int(seed)
+
+
 class Task(ABC):
     """N episodes of one task.
 
@@ -113,8 +124,12 @@ class Task(ABC):
         return seconds
 
     def seed(self, i: int, seed: int) -> None:
-        """All chance of episode `i` comes from this seed from now on."""
-        self._chance[i] = np.random.default_rng(seed)
+        """All chance of episode `i` comes from this seed from now on.
+
+        Raises:
+            InputError: A seed that is no whole number from 0 on.
+        """
+        self._chance[i] = np.random.default_rng(checked_seed(seed))
 
     def begin(self, i: int) -> None:
         """Begin episode `i` again."""

@@ -35,8 +35,8 @@ def task_class(name: str) -> type[Task]:
     Raises:
         InputError: There is none of this name.
     """
-    if name not in TASKS:
-        hint = did_you_mean(name, list(TASKS), form=repr)
+    if not isinstance(name, str) or name not in TASKS:
+        hint = did_you_mean(name, list(TASKS), form=repr) if isinstance(name, str) else ""
         raise InputError(f"task: found {shown(name)}{hint}. There are: {', '.join(TASKS)}")
     module = importlib.import_module(f"halfphysics.envs.{TASKS[name][0]}")
     found: type[Task] = getattr(module, name)

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from halfphysics.base.machine import cores
 from halfphysics.base.optional_package import optional
 from halfphysics.base.validation import is_whole, shown
+from halfphysics.envs.channels import checked_actions
 from halfphysics.envs.pictures import SIZE, checked_size, picture
-from halfphysics.envs.single import checked_actions, checked_render_mode
+from halfphysics.envs.single import checked_render_mode
 from halfphysics.envs.tasks import task_class
 from halfphysics.errors import InputError
 

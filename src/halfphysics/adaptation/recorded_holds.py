@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import correlate1d
 
 from halfphysics.adaptation.hands import Hand
 from halfphysics.adaptation.parts import Part
@@ -128,7 +129,7 @@ class _Seen:
 
     Attributes:
         gap: How far the nearest of its inner side is from the surface (T,) [m].
-        speed: Mean speed of its inner side against the thing (T,) [m/s].
+        speed: Mean speed of its inner side against the thing, over `_OVER` (T,) [m/s].
         at: It is at the thing (T,).
     """
 
@@ -143,8 +144,7 @@ class _Seen:
         count = max(1, round(_NEAREST * gaps.shape[1]))
         nearest = np.argpartition(gaps, count - 1, axis=1)[:, :count]
         gap = np.take_along_axis(gaps, nearest, axis=1).mean(axis=1)
-        step = np.linalg.norm(np.diff(points, axis=0), axis=2).mean(axis=1) * motion.fps
-        speed = np.concatenate([step[:1], np.maximum(step[1:], step[:-1]), step[-1:]])
+        speed = np.linalg.norm(_velocity(points, motion.fps), axis=2).mean(axis=1)
         at, inside = np.zeros(len(motion), dtype=bool), False
         for frame in range(len(motion)):
             near = bool(gap[frame] < (_LEAVES if inside else _NEAR))
@@ -158,9 +158,13 @@ class _Seen:
         It rests with the hand on it, until the hand moves off it or is farther away than before.
         """
         most = float(np.median(self.gap[first : last + 1])) + _AWAY
-        end = last
+        end, moves_off = last, None
+        # Its speed rises by up to half the window before it moves.
+        late = _span(fps) // 2
         while end + 1 < len(self.at) and self.at[end + 1] and self.gap[end + 1] < most:
-            if self.speed[end + 1] > _OFF:
+            if moves_off is None and self.speed[end + 1] > _OFF:
+                moves_off = end + 1
+            if moves_off is not None and end + 1 >= moves_off + late:
                 break
             end += 1
             if end - last > _RESTS * fps:
@@ -168,9 +172,34 @@ class _Seen:
         return end
 
 
+def _span(fps: float) -> int:
+    """Frames to each side over which speeds are taken."""
+    return max(1, round(_OVER * fps))
+
+
+def _velocity(points: Array, fps: float) -> Array:
+    """Velocities (T, ...) [m/s] of points (T, ...): slopes of least squares, over what frames there
+    are of the window about each. Differences of neighbours would be the sensor's noise."""
+    span, frames = _span(fps), len(points)
+    time = np.arange(-span, span + 1.0)
+
+    def summed(values: Array, weights: Array) -> Array:
+        result: Array = correlate1d(values, weights, axis=0, mode="constant")
+        return result
+
+    one = np.ones(frames)
+    count, sum_t, sum_tt = (summed(one, time**k) for k in range(3))
+    spread = np.maximum(sum_tt - sum_t**2 / count, 0.5)  # of two frames it is 0.5, of one 0
+    middle = (sum_t / count).reshape(-1, *(1,) * (points.ndim - 1))
+    away = points - points[:1]  # far from the origin sums would round
+    slope = summed(away, time) - middle * summed(away, np.ones_like(time))
+    result: Array = fps * slope / spread.reshape(middle.shape)
+    return result
+
+
 def _moving(thing: Thing, fps: float, near: Mask) -> list[tuple[int, int]]:
     """First and last frames in which the thing moves, short rests in the hands included."""
-    span = max(1, round(_OVER * fps))
+    span = _span(fps)
     frames = len(thing.position)
     before = np.maximum(np.arange(frames) - span, 0)
     after = np.minimum(np.arange(frames) + span, frames - 1)

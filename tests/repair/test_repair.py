@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from repair.test_bearing import room, seated
 
 import halfphysics as hp
 from halfphysics.errors import InputError
@@ -58,9 +59,55 @@ def test_where_no_sole_rests_the_height_stays():
     fall = np.outer(50.0 - 2.0 * time - 0.5 * 9.81 * time**2, [0.0, 0.0, 1.0])
     motion = high.with_frames(high.translation + fall, high.rotations)
     repair = hp.fix(motion, plant=False)
-    assert any("height and axes stay" in line for line in repair.done)
+    assert any("height and axes stay" in line for line in repair.left)
     asked = repair.result.people[0].reference
     assert np.array_equal(asked.translation, motion.translation)
+
+
+def test_a_clip_that_is_right_though_no_sole_rests_comes_back():
+    """Somebody sits on a bar stool: feet hang over the floor, and nothing floats."""
+    motion, place = seated(0.75)
+    repair = hp.fix(motion, room(0.75, place))
+    assert repair.done == ()
+    assert any("height and axes stay" in line for line in repair.left)
+    assert repair.motion is motion
+
+
+@pytest.mark.parametrize("kind", ["static", "object"])
+def test_what_people_stand_on_may_be_an_object(kind):
+    scene, height = hp.Scene(), 0.25
+    scene.add_static("floor", hp.Plane())
+    asked = standing()
+    place = hp.Body.default().joints(asked)[0, 0]
+    box, at = hp.Box((1.2, 1.2, height)), (place[0], place[1], 0.5 * height)
+    if kind == "static":
+        scene.add_static("podium", box, position=at)
+    else:
+        scene.add_object("podium", box, mass=40.0, position=at)
+    asked = asked.with_frames(asked.translation + np.array([0.0, 0.0, height]), asked.rotations)
+    repair = hp.fix(asked, scene)
+    assert repair.done == repair.left == ()
+    assert repair.motion is asked
+
+
+def test_people_in_each_other_are_moved_apart():
+    """They stand in each other in the middle of the clip only, and the docs promise under 5 mm."""
+    one = standing(60)
+    near = 1.5 - 1.2 * np.sin(np.pi * np.arange(60) / 59.0)
+    other = one.with_frames(one.translation + np.outer(near, [1.0, 0.0, 0.0]), one.rotations)
+    repair = hp.fix([one, other], plant=False, level=False)
+    assert "people were inside each other: moved apart" in repair.done
+    deepest = {m.name: m for m in measures(repair)}["deepest in the scene"]
+    assert deepest.before > 20.0
+    assert deepest.after < 5.0
+
+
+def test_a_cutoff_from_half_the_rate_on_does_nothing():
+    asked = standing()
+    for cutoff in (15.0, 50.0):
+        repair = hp.fix(asked, smooth=cutoff)
+        assert repair.done == ()
+        assert repair.motion is asked
 
 
 def test_steps_can_be_left_out():

@@ -12,7 +12,6 @@ none does, and nothing is inside or over anything, the clip comes back as it is.
 from __future__ import annotations
 
 import dataclasses
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -21,9 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.short_repr import short_repr
-from halfphysics.errors import HalfPhysicsWarning, InputError
+from halfphysics.errors import InputError
 from halfphysics.repair.ground_fit import Ground, fit_ground
+from halfphysics.repair.insides import DEEP, insides, told
 from halfphysics.repair.levelled import levelled
+from halfphysics.repair.limbs import simulated
 from halfphysics.repair.planted import planted
 from halfphysics.repair.settled import settled
 from halfphysics.repair.sliding import common_slide, without_slide
@@ -32,6 +33,7 @@ from halfphysics.repair.soles import REACH, Soles
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
+    from halfphysics.metrics.penetration import PenetrationReport
     from halfphysics.motion.motion import Motion
     from halfphysics.results.result import Result
     from halfphysics.scene.scene import Scene
@@ -42,11 +44,6 @@ Array = NDArray[np.float64]
 _UP = np.array([0.0, 0.0, 1.0])
 #: Name of the floor of a clip without a scene.
 FLOOR = "floor"
-#: Skin that is at most this deep [mm] is not inside: the tolerance of PhysDiff (Yuan et al. 2023).
-DEEP = 5.0
-#: Self-contact that moves the joints by no more than this on average moves nothing, and by more
-#: than that has caught a limb on the wrong side of another [mm].
-TOUCHES, CAUGHT = 0.5, 10.0
 #: Skin this high above the ground floats [m]: recorded feet roll and tip by less.
 HIGH = 0.02
 #: A clip floats where it does so in more than this share of its frames more than the simulated one:
@@ -129,15 +126,18 @@ def fix(
     people = _people(motion, body)
     originals = tuple(m for m, _ in people)
     done: list[str] = []
+    left: list[str] = []
     known = scene is not None
     if scene is None:
         scene = Scene()
         scene.add_static(FLOOR, Plane())
     if smooth is not None:
-        people = [(low_passed(m, smooth), b) for m, b in people]
-        done.append(f"low-passed at {smooth:g} Hz")
+        smoother = [(low_passed(m, smooth), b) for m, b in people]
+        if any(m is not its for (m, _), (its, _) in zip(people, smoother, strict=True)):
+            done.append(f"low-passed at {smooth:g} Hz")
+        people = smoother
     if level:
-        people = _on_ground(people, scene, known, done)
+        people = _on_ground(people, scene, known, done, left)
     if plant:
         people = _planted(people, scene, done)
     # Without its file no clip is warned of for what is put right here.
@@ -146,9 +146,8 @@ def fix(
         for (m, _), o in zip(people, originals, strict=True)
     ]
     bodies = [b for _, b in people]
-    left: list[str] = []
     if settings is None:
-        result = _simulated(asked, scene, bodies, done, left)
+        result = simulated(asked, scene, bodies, done, left)
     else:
         result = simulate(asked, scene, body=bodies, settings=settings)
     motions = _kept_if_right(result, originals, done)
@@ -181,16 +180,21 @@ def _people(
 
 
 def _on_ground(
-    people: list[tuple[Motion, Body]], scene: Scene, known: bool, done: list[str]
+    people: list[tuple[Motion, Body]],
+    scene: Scene,
+    known: bool,
+    done: list[str],
+    left: list[str],
 ) -> list[tuple[Motion, Body]]:
-    """Everybody on the ground, by what their soles have in common; `done` says what was done."""
+    """Everybody on the ground, by what their soles have in common; `done` says what was done, and
+    `left` that nothing is known."""
     found = [Soles.of(m, b, scene) for m, b in people]
     far = 0.0 if known else _far_off(found)
     near = [(_lifted(m, -far), b) for m, b in people] if far else people
     soles = [Soles.of(m, b, scene) for m, b in near] if far else found
     ground = fit_ground(soles)
     if ground is None:
-        done.append("no sole rests on anything: the ground is not known, height and axes stay")
+        left.append("no sole rests on anything: the ground is not known, height and axes stay")
         return people
     people = near
     if not ground.level:
@@ -247,73 +251,40 @@ def _planted(
     return made
 
 
-def _simulated(
-    asked: list[Motion], scene: Scene, bodies: list[Body], done: list[str], left: list[str]
-) -> Result:
-    """The simulation with self-contact, or without where limbs are caught in it; `left` says so.
-
-    Frames belong to those of a video or a text: nobody waits, and the clock goes on.
-    """
-    from halfphysics.metrics.joint_errors import mpjpe
-    from halfphysics.settings import Settings
-    from halfphysics.simulation.simulate import simulate
-
-    plain = Settings(blocked="continue")
-    apart = simulate(
-        asked, scene, body=bodies, settings=dataclasses.replace(plain, self_contact=True)
-    )
-    if not _touches_self(apart).any():
-        return apart
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", HalfPhysicsWarning)  # said by the first already
-        through = simulate(asked, scene, body=bodies, settings=plain)
-    moved = max(
-        mpjpe(a.motion, b.motion, a.body) for a, b in zip(apart.people, through.people, strict=True)
-    )
-    if moved <= TOUCHES:
-        return through
-    if moved > CAUGHT:
-        left.append("limbs pass through the body and would be caught there: left as they are")
-        return through
-    done.append("limbs were inside the body: moved out of it")
-    return apart
-
-
-def _touches_self(result: Result) -> NDArray[np.bool_]:
-    """Contacts (n,) of a person with their own body."""
-    own = np.array([result.names.index(person.name) for person in result.people])
-    person = result.contacts.person
-    mine: NDArray[np.bool_] = (person >= 0) & (result.contacts.other == own[np.maximum(person, 0)])
-    return mine
-
-
 def _kept_if_right(
     result: Result, originals: tuple[Motion, ...], done: list[str]
 ) -> tuple[Motion, ...]:
     """What the simulation made; the originals where nothing was wrong with them."""
-    if done or not _right(result):
-        if not done:
-            done.append("what was inside or over something: moved by the simulation")
-        return tuple(
-            dataclasses.replace(person.motion, recorded=None, origin=original.origin)
-            for person, original in zip(result.people, originals, strict=True)
-        )
-    return originals
+    inside = insides([person.reference for person in result.people], result)
+    if not done and _right(result, inside):
+        return originals
+    done += told(inside, result)
+    if not done:
+        done.append("what was inside or over something: moved by the simulation")
+    return tuple(
+        dataclasses.replace(person.motion, recorded=None, origin=original.origin)
+        for person, original in zip(result.people, originals, strict=True)
+    )
 
 
-def _right(result: Result) -> bool:
+def _right(result: Result, inside: Sequence[PenetrationReport]) -> bool:
     """Whether the motions as they came are inside nothing and over nothing."""
     from halfphysics.metrics.floating import floating
-    from halfphysics.metrics.penetration import penetration
 
+    if any(report.depth_max_mm > DEEP for report in inside):
+        return False
     for person in result.people:
-        inside = penetration(person.recorded, person.body, result.scene)
         before, after = (
             floating(
-                motion, person.body, result.scene, reference=person.recorded, tolerance=HIGH
+                motion,
+                person.body,
+                result.scene,
+                objects=result.objects,
+                reference=person.recorded,
+                tolerance=HIGH,
             ).percent
             for motion in (person.recorded, person.motion)
         )
-        if inside.depth_max_mm > DEEP or before > after + FLOATS:
+        if before > after + FLOATS:
             return False
     return True

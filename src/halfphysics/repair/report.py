@@ -9,8 +9,8 @@ import numpy as np
 
 from halfphysics.metrics.floating import physdiff
 from halfphysics.metrics.joint_errors import mpjpe, mpjpe_global
-from halfphysics.metrics.penetration import penetration
 from halfphysics.metrics.smoothness import jerk
+from halfphysics.repair.insides import insides
 
 if TYPE_CHECKING:
     from halfphysics.repair.repair import Repair
@@ -33,7 +33,8 @@ def measures(repair: Repair) -> tuple[Measure, ...]:
     """The measures of a repair.
 
     PhysDiff's four (`metrics.physdiff`) are of level ground at z = 0 and left out where a scene was
-    given; then the depth in the scene counts. Changes are those from the clip as it came.
+    given; then the depth in the scene counts, its objects and other people included. Changes are
+    those from the clip as it came.
     """
     people = list(
         zip(repair.originals, repair.motions, (p.body for p in repair.result.people), strict=True)
@@ -48,9 +49,9 @@ def measures(repair: Repair) -> tuple[Measure, ...]:
             ("Phys-Err", "phys_err_mm", "mm"),
         ):
             found.append(Measure(name, _mean(before, field), _mean(after, field), unit))
-    scene = repair.result.scene
     deepest = [
-        max(penetration(pair[k], pair[2], scene).depth_max_mm for pair in people) for k in (0, 1)
+        max(report.depth_max_mm for report in insides(motions, repair.result))
+        for motions in (repair.originals, repair.motions)
     ]
     found.append(Measure("deepest in the scene", deepest[0], deepest[1], "mm"))
     if len(repair.motion) >= _LEAST:

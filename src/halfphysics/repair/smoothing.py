@@ -27,13 +27,13 @@ def low_passed(motion: Motion, cutoff: float) -> Motion:
     Args:
         motion: T frames.
         cutoff: Frequency of which half the power of one pass is left [Hz]; from half the frame
-            rate on nothing is changed.
+            rate on the motion itself is returned.
 
     Raises:
         InputError: `cutoff` is not positive.
     """
     cutoff = number(cutoff, "smooth", above=0.0, unit="Hz")
-    if len(motion) < 2:
+    if len(motion) < 2 or cutoff >= 0.5 * motion.fps:
         return motion
     quaternions = rot.continuous(rot.exp(motion.rotations))
     filtered = rot.normalize(smoothed(quaternions, motion.fps, cutoff))

@@ -2,7 +2,7 @@
 
 Whether a foot rests is asked without a known floor: the clips that come here float, sink, drift and
 tilt. A patch of a sole rests where it is slow, is not far above the lowest of the person, and the
-person is not airborne.
+person is not airborne, nor borne by furniture (bearing.py). Objects are where they start.
 """
 
 from __future__ import annotations
@@ -18,6 +18,8 @@ from halfphysics.metrics.airborne import airborne
 from halfphysics.metrics.stance import PATCHES, patch_centres, sole_patches
 from halfphysics.metrics.surface_gaps import carrying_gaps
 from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.repair.bearing import borne_elsewhere
+from halfphysics.results.object_track import ObjectTrack
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -69,7 +71,9 @@ class Soles:
         """The soles of a motion over a scene."""
         patch = sole_patches(body)
         centre, lowest = patch_centres(motion, body, patch)
-        gap = carrying_gaps(motion, body, scene, _feet(body, patch), reach=REACH).gap
+        objects = _as_they_start(scene, len(motion))
+        feet = _feet(body, patch)
+        gap = carrying_gaps(motion, body, scene, feet, objects=objects, reach=REACH).gap
         skin = np.arange(0, len(body.rest_vertices), _SPARSE)
         deepest = body.vertices(motion, indices=skin)[..., 2].min(axis=1)
         width = _odd(AVERAGED * motion.fps)
@@ -79,6 +83,7 @@ class Soles:
         rests &= lowest < lowest.min(axis=1, keepdims=True) + LOW
         rests &= lowest < deepest[:, None] + NEAR
         rests &= ~airborne(motion, body)[:, None]
+        rests &= ~borne_elsewhere(motion, body, scene, objects, gap)[:, None]
         rests = _without_flicker(rests, motion.fps)
         return cls(centre, lowest, gap, rests, float(motion.fps))
 
@@ -90,6 +95,17 @@ class Soles:
             begins, ends = np.flatnonzero(edges > 0), np.flatnonzero(edges < 0)
             found += [(patch, int(a), int(b)) for a, b in zip(begins, ends, strict=True)]
         return found
+
+
+def _as_they_start(scene: Scene, frames: int) -> dict[str, ObjectTrack]:
+    """Tracks of the objects of a scene, at rest where they start: no more is known of them."""
+    return {
+        name: ObjectTrack(
+            position=np.tile(item.position, (frames, 1)),
+            quaternion=np.tile(item.quaternion, (frames, 1)),
+        )
+        for name, item in scene.objects.items()
+    }
 
 
 def _feet(body: Body, patch: NDArray[np.intp]) -> NDArray[np.intp]:

@@ -124,7 +124,7 @@ PARAMETERS = {
     "metrics.stance_slide": "result person",
     "metrics.net_force": "result person",
     "metrics.path_offset": "result person",
-    "metrics.judge": "motion body scene truth * truth_body objects ground",
+    "metrics.judge": "motion body scene truth * truth_body objects truth_objects ground",
     "metrics.Verdict": "* values missing frames fps",
     "metrics.gmd_skating_ratio": "joints fps * ground height speed",
     "metrics.foot_sliding_mm": "joints * ground",

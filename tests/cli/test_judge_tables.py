@@ -6,9 +6,11 @@ import csv
 import json
 
 import pytest
+from metrics.test_judge import walk
 
 from halfphysics.cli.judge_tables import COLUMNS, csv_text, json_text, shown_names, text
 from halfphysics.judging.judge import Judged
+from halfphysics.metrics import judge
 from halfphysics.metrics.measures import MEASURES
 from halfphysics.metrics.verdict import Verdict
 
@@ -33,6 +35,22 @@ def test_few_clips_have_a_column_each():
     assert "not judged: clips/bad.npz: no known motion format" in said
     assert max(map(len, said.splitlines())) < 250
     assert "not measured, takes a truth: FootSkateFromContacts" in said
+
+
+def test_what_is_missing_has_the_reason_of_the_clips():
+    short = {"jerk": "takes at least 4 frames, found 2", "contact_f1": "takes tracks"}
+    measured = Verdict(values={"float_mm": 1.0}, missing=short, frames=2, fps=30.0)
+    said = text([Judged("a.npz", measured)])
+    (line,) = (x for x in said.splitlines() if "takes at least 4 frames, found 2" in x)
+    assert line == "not measured, takes at least 4 frames, found 2: jerk"
+    assert "not measured, takes tracks: contact F1" in said
+
+
+def test_a_clip_of_two_frames_beside_its_truth_lacks_no_truth():
+    motion = walk()[:2]
+    said = text([Judged("a.npz", judge(motion, truth=motion))])
+    assert "takes a truth:" not in said
+    assert "takes at least 3 frames, found 2: Accel" in said
 
 
 def test_many_clips_are_summed_up():

@@ -35,3 +35,13 @@ def test_truth_by_name(library, tmp_path_factory):
         tasks_of([library], truths)
     with pytest.raises(HalfPhysicsError, match="no such file or folder"):
         tasks_of([library], truths / "gone")
+
+
+def test_names_of_clips_are_no_patterns(tmp_path):
+    """A truth of another format, found by its stem."""
+    for folder in ("clips", "truth"):
+        (tmp_path / folder).mkdir()
+    walk().save(tmp_path / "clips" / "walk[1].npz")
+    walk().save(tmp_path / "truth" / "walk[1].pkl", format="smplx-params")
+    (task,) = tasks_of([tmp_path / "clips"], tmp_path / "truth")
+    assert task.truth == tmp_path / "truth" / "walk[1].pkl"

@@ -109,6 +109,30 @@ def test_contact_of_hands_with_the_shelf():
     assert verdict["contact_recall"] == pytest.approx(scores.recall)
 
 
+def test_true_hands_are_near_what_was_there_in_the_truth():
+    """The true hand holds a ball all along; the simulated one lost it, though it goes as asked."""
+    motion, scene = walk(), hp.Scene()
+    scene.add_object("ball", hp.Sphere(0.04), mass=1.0)
+    body = hp.Body.default()
+    hand = body.joints(motion)[:, hp.JOINT_NAMES.index("right_middle1")]
+    held = Track(hand, np.tile([1.0, 0.0, 0.0, 0.0], (FRAMES, 1)))
+    lost = Track(hand + 3.0 * (np.arange(FRAMES) >= FRAMES // 2)[:, None], held.quaternion)
+    verdict = metrics.judge(
+        motion, scene=scene, truth=motion, objects={"ball": lost}, truth_objects={"ball": held}
+    )
+    assert verdict["contact_recall"] == 0.5
+    assert verdict["contact_precision"] == 1.0
+    for theirs in (None, {}, {"cup": held}):
+        alone = metrics.judge(
+            motion, scene=scene, truth=motion, objects={"ball": lost}, truth_objects=theirs
+        )
+        assert alone["hand_contact_percent"] == verdict["hand_contact_percent"] == 50.0
+        for key in ("contact_precision", "contact_recall", "contact_f1"):
+            assert alone.missing[key] == "takes tracks of the objects in the truth"
+    with pytest.raises(InputError, match="truth_objects: expected names and tracks"):
+        metrics.judge(motion, scene=scene, truth=motion, truth_objects=3)
+
+
 def test_alone_it_says_what_is_missing_and_why():
     verdict = metrics.judge(walk())
     assert verdict.missing["rte_percent"] == "takes a truth"

@@ -65,7 +65,8 @@ class Command:
     files: Annotated[tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="FILE")]
     """Motion and result files, folders of them, or globs in quotes."""
     truth: Annotated[Path | None, tyro.conf.arg(metavar="FILE_OR_FOLDER")] = None
-    """The true motion: one file for all clips, or a folder with a file of each clip's name."""
+    """The true motion: one file for all clips, or a folder with a file of each clip's name. Of
+    several people in it, each is judged against the one of their name."""
     csv: File = None
     """Table to write (.csv): one row per clip."""
     json: File = None

@@ -7,6 +7,7 @@ import io
 import json
 import math
 import os
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from statistics import fmean, median
@@ -93,17 +94,17 @@ def _summary(people: Sequence[Judged]) -> list[tuple[str, ...]]:
 
 
 def _not_taken(people: Sequence[Judged]) -> list[str]:
-    """One line for each reason why measures are left out in all clips."""
+    """One line for each reason why measures are left out in all clips: that of most clips."""
     had = {measure.key for measure in taken(people)}
-    lines = []
-    for need, why in WANTED.items():
-        names = [m.name for m in MEASURES if m.needs == need and m.key not in had]
-        if names:
-            lines.append(f"not measured, {why}: {', '.join(names)}")
-    short = [m.name for m in MEASURES if not m.needs and m.key not in had]
-    if short:
-        lines.append(f"not measured, too few frames: {', '.join(short)}")
-    return lines
+    left: dict[str, list[str]] = {}
+    for measure in MEASURES:
+        if measure.key in had:
+            continue
+        some = [one.verdict.missing for one in people if one.verdict is not None]
+        whys = Counter(missing[measure.key] for missing in some if measure.key in missing)
+        why = whys.most_common(1)[0][0] if whys else WANTED.get(measure.needs, "")
+        left.setdefault(why or "too few frames", []).append(measure.name)
+    return [f"not measured, {why}: {', '.join(names)}" for why, names in left.items()]
 
 
 def digits(value: float | None) -> str:

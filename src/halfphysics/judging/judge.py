@@ -16,6 +16,7 @@ from halfphysics.base.workers import FULL, Death, Pool
 from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning, InputError
 from halfphysics.judging.reading import Files, Reading
 from halfphysics.judging.tasks import Task, tasks_of
+from halfphysics.judging.truths import truth_of
 
 if TYPE_CHECKING:
     from halfphysics.metrics import Verdict
@@ -49,6 +50,8 @@ def judge(
     Args:
         paths: Motion and result files, folders of them, or globs.
         truth: The true motion: one file for all clips, or a folder with a file of each clip's name.
+            Where it holds several people, each is judged against the one of their name, in a result
+            also against the one of their place.
         scene: Scene file; of a result, its own scene.
         body: Body model, or a folder of them; None: the default body, of a result its own.
         jobs: Processes to work in; None: one a core. The numbers do not depend on it.
@@ -152,38 +155,47 @@ def _judged(task: Task, reading: Reading) -> list[Judged]:
     from halfphysics.metrics import judge
 
     try:
-        truth = None if task.truth is None else _motion(Task(task.truth), reading)
         scene = _scene(reading)
         if task.clip is None and is_result(task.path):
-            return _of_result(task, reading, scene, truth)
+            return _of_result(task, reading, scene)
+        truth = None
+        if task.truth is not None:
+            truth = truth_of(task.truth, reading.motion_file, task.clip)
         motion = _motion(task, reading)
-        return [Judged(task.name, judge(motion, reading.body(None, motion), scene, truth))]
+        verdict = judge(motion, reading.body(None, motion), scene, truth and truth.motion)
+        return [Judged(task.name, verdict)]
     except HalfPhysicsError as error:
         return [_failed(task, error)]
 
 
-def _of_result(
-    task: Task, reading: Reading, scene: Scene | None, truth: Motion | None
-) -> list[Judged]:
+def _of_result(task: Task, reading: Reading, scene: Scene | None) -> list[Judged]:
     """The realised motions of a result's people, in its scene with its objects."""
     from halfphysics.metrics import judge
     from halfphysics.results.result import Result
 
     result = Result.load(task.path, scene=scene)
-    several = len(result.people) > 1
-    return [
-        Judged(
-            f"{task.name}:{person.name}" if several else task.name,
-            judge(
-                person.motion,
-                reading.body(person.body, person.motion),
-                result.scene,
-                truth,
-                objects=result.objects,
-            ),
+    count, found = len(result.people), []
+    for index, person in enumerate(result.people):
+        truth = None
+        if task.truth is not None:
+            truth = truth_of(
+                task.truth,
+                reading.motion_file,
+                person.name,
+                index=index,
+                count=count,
+                objects=bool(result.objects),
+            )
+        verdict = judge(
+            person.motion,
+            reading.body(person.body, person.motion),
+            result.scene,
+            truth and truth.motion,
+            objects=result.objects,
+            truth_objects=truth and truth.objects,
         )
-        for person in result.people
-    ]
+        found.append(Judged(f"{task.name}:{person.name}" if count > 1 else task.name, verdict))
+    return found
 
 
 def _motion(task: Task, reading: Reading) -> Motion:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import glob
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -81,7 +82,7 @@ def _truth_of(path: Path, given: Path, truth: Path | None) -> Path | None:
         places.insert(0, truth / path.relative_to(given))
     found = next((place for place in places if place.exists()), None)
     if found is None:
-        same = sorted(p for p in truth.rglob(f"{path.stem}.*") if p.is_file())
+        same = sorted(p for p in truth.rglob(f"{glob.escape(path.stem)}.*") if p.is_file())
         if len(same) != 1:
             raise InputError(
                 f"--truth {truth}: found {len(same) or 'no'} files for {path.name}, expected one "

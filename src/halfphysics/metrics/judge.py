@@ -46,6 +46,9 @@ if TYPE_CHECKING:
 
 #: The joints that SMPL, SMPL-H and SMPL-X share, by which other projects measure.
 SHARED = 22
+# What compares contact with the truth, and why it is missing where the truth's objects are.
+_COMPARED = ("contact_precision", "contact_recall", "contact_f1")
+_UNKNOWN = "takes tracks of the objects in the truth"
 
 
 def judge(
@@ -56,6 +59,7 @@ def judge(
     *,
     truth_body: Body | None = None,
     objects: Mapping[str, Any] | None = None,
+    truth_objects: Mapping[str, Any] | None = None,
     ground: float = 0.0,
 ) -> Verdict:
     """Take every measure that can be taken of a motion; `MEASURES` names and defines them.
@@ -69,6 +73,8 @@ def judge(
         truth_body: The body of the truth; None: the same body.
         objects: Tracks of the scene's objects, name -> position (T, 3) and quaternion (T, 4), as in
             ``result.objects``; those not named are left out.
+        truth_objects: Tracks of the same objects in the truth: the true hands are near these, not
+            near what was simulated. None: with `objects`, contact is not compared with the truth.
         ground: Height of level ground [m], for measures that know no scene.
 
     Raises:
@@ -89,6 +95,11 @@ def judge(
         raise InputError(f"scene: expected a halfphysics.Scene, found {shown(scene)}")
     if truth is not None:
         _check_truth(motion, truth)
+    if not isinstance(truth_objects, Mapping | None):
+        raise InputError(
+            "truth_objects: expected names and tracks, as in result.objects, found "
+            f"{shown(truth_objects)}"
+        )
     ground = number(ground, "ground", unit="m")
     found: dict[str, float] = {}
     joints = body.joints(motion)
@@ -97,10 +108,12 @@ def judge(
     if truth is not None:
         _of_truth(found, motion, body, truth, truth_body, joints, ground)
     if scene is not None:
-        true_hands = None if truth is None else truth_body.joints(truth)[:, HANDS]
         _of_scene(found, motion, body, scene, objects)
-        _of_hands(found, scene, objects, joints[:, HANDS], true_hands)
+        true = None if truth is None else truth_body.joints(truth)[:, HANDS]
+        _of_hands(found, scene, objects, joints[:, HANDS], truth_objects or {}, true)
     missing = {m.key: _missing(m, len(motion)) for m in MEASURES if m.key not in found}
+    if truth is not None and "hand_contact_percent" in found:
+        missing |= {key: _UNKNOWN for key in _COMPARED if key in missing}
     return Verdict(
         values={m.key: found[m.key] for m in MEASURES if m.key in found},
         missing=missing,
@@ -196,20 +209,25 @@ def _of_hands(
     scene: Scene,
     objects: Mapping[str, Any] | None,
     hands: Array,
+    true_objects: Mapping[str, Any],
     true_hands: Array | None,
 ) -> None:
-    """Contact of hands (T, 2, 3) [m] with what is no plane."""
+    """Contact of hands (T, 2, 3) [m] with what is no plane, and of the true hands with what was
+    there in the truth."""
     distance = SceneDistance(scene, len(hands), objects, planes=False)
     if not distance.solids:
         return
     whole = slice(0, len(hands))
     contact = hand_contact(distance.of(hands, whole))
-    true = contact if true_hands is None else hand_contact(distance.of(true_hands, whole))
-    scores = contact_scores(contact, true)
-    found["hand_contact_percent"] = scores.percent
-    if true_hands is not None:
-        found["contact_precision"], found["contact_recall"] = scores.precision, scores.recall
-        found["contact_f1"] = scores.f1
+    found["hand_contact_percent"] = contact_scores(contact, contact).percent
+    moved = objects or {}
+    if true_hands is None or not moved.keys() <= true_objects.keys():
+        return
+    true_objects = {name: true_objects[name] for name in moved}
+    there = SceneDistance(scene, len(hands), true_objects, planes=False)
+    scores = contact_scores(contact, hand_contact(there.of(true_hands, whole)))
+    found["contact_precision"], found["contact_recall"] = scores.precision, scores.recall
+    found["contact_f1"] = scores.f1
 
 
 def _of_truth(

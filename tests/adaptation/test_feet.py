@@ -12,6 +12,7 @@ from halfphysics.adaptation import feet
 from halfphysics.adaptation.feet import Foot
 from halfphysics.adaptation.recorded_holds import recorded_holds
 from halfphysics.adaptation.thing import Thing
+from halfphysics.base import rotations as rot
 from halfphysics.motion.skeleton import JOINT_INDEX
 from support.carries.pushes import PushCase, push
 from support.carries.takes import PARTS
@@ -92,3 +93,21 @@ def test_a_carried_thing_is_no_matter_of_feet_and_a_ridden_one_is_told(take):
     assert "with the right foot" in made.summary()
     assert made.holds[0].moved[0] < 0.05
     assert 20.0 < made.holds[0].force < 150.0
+
+
+def test_what_a_thing_did_before_it_is_pushed_changes_nothing():
+    """It was tumbled over in its first frames; the foot is put where it is put otherwise."""
+    take = push(PushCase("box", "toe", "right", 0.3, "aside"))
+    body, motion = take.bodies[0], take.motions[0]
+    item, foot = take.sequence().scene.objects[take.name], Foot.of(body, "right")
+    turned = np.array(take.track.quaternion)
+    turned[:2] = rot.multiply(rot.exp(np.array([np.pi / 2, 0.0, 0.0])), turned[:2])
+    made = []
+    for quaternion in (take.track.quaternion, turned):
+        thing = Thing(take.name, item, take.track.position, quaternion)
+        both = [Foot.of(body, side) for side in ("left", "right")]
+        hold = recorded_holds(motion, body, both, thing)[-1]
+        made.append(feet.kept(motion, body, foot, hold, hold.arrives[-1]))
+    frames = slice(hold.first, hold.last + 1)
+    a, b = (body.joints(m)[frames, foot.limb[2]] for m, _ in made)
+    assert np.abs(a - b).max() < TOUCHES

@@ -8,6 +8,7 @@ import pytest
 import halfphysics as hp
 from halfphysics.adaptation.thing import Thing
 from halfphysics.base import rotations as rot
+from halfphysics.errors import InputError
 from halfphysics.results.result import ObjectTrack
 
 ROUNDING = 1e-12
@@ -46,3 +47,19 @@ def test_normals_point_out(box):
 
 def test_the_centre_is_that_of_its_mass(box):
     assert np.abs(box.centre - box.position).max() < ROUNDING
+
+
+def test_quaternions_of_any_length_are_rotations(box):
+    """Data sets and trackers round them, or do not normalize at all."""
+    length = np.array([0.5, 2.0, 1.0, 1e-3, 7.0])[:, None]
+    track = ObjectTrack(position=box.position, quaternion=length * box.quaternion)
+    again = Thing.of(box.item, track)
+    assert np.abs(again.quaternion - box.quaternion).max() < ROUNDING
+    assert np.abs(again.turn @ np.swapaxes(again.turn, 1, 2) - np.eye(3)).max() < ROUNDING
+
+
+def test_a_quaternion_of_zeros_is_no_rotation(box):
+    quaternion = np.array(box.quaternion)
+    quaternion[3] = 0.0
+    with pytest.raises(InputError, match=r"'box': found quaternion .* in frame 3, expected a rot"):
+        Thing.of(box.item, ObjectTrack(position=box.position, quaternion=quaternion))

@@ -142,7 +142,8 @@ def kept(
     # The foot as it is at the thing, in the thing's frame.
     points = body.vertices(motion, frames=[hold.middle], indices=foot.skin)[0]
     points = (points - thing.position[hold.middle]) @ thing.turn[hold.middle]
-    shift = _onto(thing, points + middle - ankle[hold.middle], way)
+    up = thing.turn[hold.first].T @ np.array([0.0, 0.0, 1.0])
+    shift = _onto(thing, points + middle - ankle[hold.middle], way, up)
     if shift is None:
         return None
     share, fixed = _shares(hold, arrives, len(motion), motion.fps)
@@ -235,14 +236,16 @@ def _shares(hold: RecordedHold, arrives: int, frames: int, fps: float) -> tuple[
     return share, fixed
 
 
-def _onto(thing: Thing, skin: Array, way: Array) -> Array | None:
-    """The shift (3,) that puts a foot's skin (n, 3) onto the surface [m]; None: it meets none."""
+def _onto(thing: Thing, skin: Array, way: Array, up: Array) -> Array | None:
+    """The shift (3,) that puts a foot's skin (n, 3) onto the surface [m]; None: it meets none.
+
+    `way` and `up`: where the thing goes, and the vertical, in its frame (3,)."""
     shift = _met(thing, skin, way)
     if shift is None:
         return None
     touches = skin + shift
     at = touches[thing.gaps(touches) < _TOUCHES].mean(axis=0)
-    across = np.cross(thing.turn[0].T @ np.array([0.0, 0.0, 1.0]), way)
+    across = np.cross(up, way)
     aside = -np.clip((at - thing.item.com) @ across, -_ASIDE, _ASIDE) * across
     again = _met(thing, skin + aside, way)
     return shift if again is None else aside + again

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.errors import InputError
 from halfphysics.geometry.mesh_queries import MeshQuery
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ class Thing:
         name: Its name in the scene.
         item: The object.
         position: Of its frame (T, 3) [m].
-        quaternion: Of its frame (T, 4).
+        quaternion: Of its frame (T, 4), of length 1.
     """
 
     name: str
@@ -37,8 +38,18 @@ class Thing:
 
     @classmethod
     def of(cls, item: Object, track: ObjectTrack) -> Thing:
-        """An object and its recorded track."""
-        return cls(item.name, item, track.position, track.quaternion)
+        """An object and its recorded track, whose quaternions may have any length but 0.
+
+        Raises:
+            InputError: A quaternion is 0: it is no rotation.
+        """
+        length = np.linalg.norm(track.quaternion, axis=1)
+        if (none := np.flatnonzero(length == 0.0)).size:
+            raise InputError(
+                f"recorded {item.name!r}: found quaternion (0, 0, 0, 0) in frame {none[0]}, "
+                "expected a rotation. Cut the track, or fill the gap with the rotation before it"
+            )
+        return cls(item.name, item, track.position, rot.normalize(track.quaternion))
 
     @cached_property
     def turn(self) -> Array:

@@ -138,6 +138,22 @@ def test_a_recorded_carry(folder, carried_file, capsys):
     np.testing.assert_array_equal(bare.reference.rotations, result.recorded.rotations)
 
 
+def test_evaluate_compares_each_person_with_their_own_reference(folder, capsys):
+    """The reference is 10 cm beside both of them."""
+    motion = hp.Motion.load("walk.npz")
+    for name, x in (("pair.npz", 0.0), ("beside.npz", 0.1)):
+        both = [
+            motion.with_frames(motion.translation + np.array([x, y, 0.0]), motion.rotations)
+            for y in (0.0, 3.0)
+        ]
+        hp.simulate(both, hp.Scene()).save(name)
+    assert run("evaluate", "pair.npz", "--reference", "beside.npz") == 0
+    out = capsys.readouterr().out
+    assert len(re.findall(r"off the path at the end \[mm\]\s+100\.0", out)) == 2
+    assert run("evaluate", "pair.npz", "--reference", "walk.npz") == 2
+    assert "walk.npz holds one person, and the result 2" in capsys.readouterr().err
+
+
 def test_evaluate_a_motion(folder, capsys):
     moved = np.zeros((FRAMES, 3))
     moved[:, 2] = 0.94

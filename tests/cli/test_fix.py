@@ -107,3 +107,44 @@ def test_people_of_a_video_go_back_into_one_file(tmp_path, capsys):
         assert own["frame_ids"].tolist() == who.frames.tolist()
         lower = own["trans_world"] - who.hips()
         assert np.abs(lower - [0.0, -0.05, 0.0]).max() < 5e-3
+
+
+def test_everybody_of_a_result_is_put_right(tmp_path, capsys):
+    """In the bodies that they have, one file each; a name reads one of them, frames cut all."""
+    body, tall = hp.Body.default(), hp.Body.default(stature=1.9)
+    one = floating(standing(), body)
+    other = floating(standing().grounded(tall, 0.003), tall)
+    other = other.with_frames(other.translation + np.array([1.5, 0.0, 0.0]), other.rotations)
+    source, out = tmp_path / "result.npz", tmp_path / "fixed.npz"
+    hp.simulate([one, other], hp.Scene(), body=[body, tall]).save(source)
+    assert main(["fix", str(source), "--out", str(out)]) == 0
+    assert "floated by 5.0 cm" in capsys.readouterr().out
+    for k, (asked, its) in enumerate(((one, body), (other, tall))):
+        made = hp.Motion.load(tmp_path / f"fixed_{k + 1}.npz")
+        assert np.abs(made.translation[:, :2] - asked.translation[:, :2]).max() < 5e-3
+        assert abs(its.vertices(made)[..., 2].min()) < 5e-3
+    arguments = ["--clip", "person1", "--frames", "4:24", "--result", str(tmp_path / "r.npz")]
+    assert main(["fix", str(source), *arguments]) == 0
+    again = hp.Result.load(tmp_path / "r.npz")
+    assert (len(again.people), len(again)) == (1, 20)
+    assert again.people[0].motion.translation[0, 0] > 1.4
+    assert main(["fix", str(source), "--clip", "anne"]) == 2
+    assert "found 'anne', expected one of" in capsys.readouterr().err
+
+
+def test_outputs_have_a_file_each(clip, tmp_path, capsys):
+    both = str(tmp_path / "same.npz")
+    assert main(["fix", str(clip), "--out", both, "--result", both]) == 2
+    assert "found one file for two of them" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == [clip]
+
+
+def test_numbered_files_are_no_other_output(tmp_path, capsys):
+    one = standing()
+    other = one.with_frames(one.translation + np.array([1.5, 0.0, 0.0]), one.rotations)
+    source = tmp_path / "result.npz"
+    hp.simulate([one, other], hp.Scene()).save(source)
+    out, result = str(tmp_path / "fixed.npz"), str(tmp_path / "fixed_2.npz")
+    assert main(["fix", str(source), "--out", out, "--result", result]) == 2
+    assert "found one file for two of them" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == [source]

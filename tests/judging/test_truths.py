@@ -15,7 +15,7 @@ from halfphysics.formats import registry, save_people
 from halfphysics.formats.loading import MotionOptions
 from halfphysics.judging.judge import judge_one
 from halfphysics.judging.tasks import Task
-from halfphysics.judging.truths import truth_of
+from halfphysics.judging.truths import reference_of, truth_of
 from halfphysics.results.object_track import ObjectTrack
 
 #: Files keep float32 [mm].
@@ -100,3 +100,14 @@ def test_objects_of_a_data_set_are_read_where_they_are_asked_for(library, monkey
     assert truth_of(library / "a.npz", MotionOptions(), None).objects is None
     found = truth_of(library / "a.npz", MotionOptions(), None, objects=True)
     assert set(found.objects) == {"ball"}
+
+
+def test_references_of_several_people_are_each_ones_own(pair, tmp_path):
+    result = hp.Result.load(pair)
+    for index, person in enumerate(result.people):
+        found = reference_of(pair, person.name, index=index, count=2)
+        assert np.array_equal(found.translation, person.motion.translation)
+    walk()[:8].save(tmp_path / "alone.npz")
+    with pytest.raises(InputError, match="holds one person, and the result 2"):
+        reference_of(tmp_path / "alone.npz", "person0", index=0, count=2)
+    assert len(reference_of(tmp_path / "alone.npz", "person", index=0, count=1)) == 8

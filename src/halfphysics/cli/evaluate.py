@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
@@ -17,6 +18,9 @@ from halfphysics.cli.options import (
     progress,
 )
 from halfphysics.errors import InputError
+
+if TYPE_CHECKING:
+    from halfphysics.results.result import PersonResult
 
 EXAMPLES = """\
 halfphysics evaluate result.npz
@@ -36,7 +40,8 @@ class Command:
     file: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RESULT_OR_MOTION")]
     """A result of `simulate`, or a motion file."""
     reference: File = None
-    """Motion to compare with; of a result, its reference motion if not given."""
+    """Motion to compare with; of a result, its reference motion if not given. Of a result of
+    several people: a file of as many, or of the same names."""
     json: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Of a result: write every measure of docs/metrics.md as JSON."""
     scene: tyro.conf.OmitArgPrefixes[SceneOptions] = field(default_factory=SceneOptions)
@@ -69,6 +74,20 @@ class Command:
         body = self.person.load(motion)
         print(measures.of_motion(motion, body, scene, reference, progress=progress()))
 
+    def _beside(self, people: Sequence[PersonResult], index: int) -> PersonResult:
+        """One of the people of a result beside the motion of theirs that is compared with."""
+        import dataclasses
+
+        from halfphysics.judging.truths import reference_of
+
+        assert self.reference is not None
+        person = people[index]
+        reference = reference_of(self.reference, person.name, index=index, count=len(people))
+        # What hands were to hold is still the result's.
+        if len(reference) == len(person.motion):
+            reference = dataclasses.replace(reference, holds=person.reference.holds)
+        return dataclasses.replace(person, reference=reference)
+
     def _result(self, scene: object) -> None:
         import dataclasses
 
@@ -84,11 +103,7 @@ class Command:
             bodies = [self.person.instead_of(p.body, p.motion) for p in people]
             people = [dataclasses.replace(p, body=b) for p, b in zip(people, bodies, strict=True)]
         if self.reference is not None:
-            # It is what measures compare with; what hands were to hold is still the result's.
-            reference = Motion.load(self.reference)
-            if len(reference) == len(result):
-                reference = dataclasses.replace(reference, holds=people[0].reference.holds)
-            people[0] = dataclasses.replace(people[0], reference=reference)
+            people = [self._beside(people, index) for index in range(len(people))]
         result = dataclasses.replace(result, people=tuple(people))
         print(result.summary())
         print()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -22,6 +23,7 @@ from halfphysics.errors import InputError
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
     from halfphysics.repair.repair import Repair
+    from halfphysics.simulation.sequence import Sequence as Motions
 
 EXAMPLES = """\
 halfphysics fix hmr4d_results.pt --out fixed.npz
@@ -43,7 +45,7 @@ class Command:
     """
 
     motion: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="MOTION")]
-    """Motion file."""
+    """Motion file; of a result everybody's motion, as it came out."""
     out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"], metavar="FILE")] = None
     """Motion file to write, in the format that MOTION came in where that can be written; where its
     files hold one person, each of several gets one, with a number. Without it only the numbers are
@@ -73,16 +75,17 @@ class Command:
         for out in (self.out, self.page, self.result):
             if out is not None:
                 check_output(out, *inputs)
+        self._check_apart([self.out])
         if self.page is not None and self.page.suffix.lower() != ".html":
             raise InputError(f"--page: found {self.page}, expected a name that ends in .html")
-        sequence = self.motion_file.sequence(
-            self.motion, body=self.person.instead_of, ground=self.scene.ground
-        )
+        sequence = self._sequence()
         if self.out is not None:
             for motion in sequence.motions:
                 writer_of(motion, self.out, self.format)  # before the work
-            for path in files_of(sequence.motions, self.out, self.format):
+            files = files_of(sequence.motions, self.out, self.format)
+            for path in files:
                 check_output(path, *inputs)
+            self._check_apart(files)
         bodies = [body for body in sequence.bodies if body is not None]
         scene = self.scene.load() if self.scene.given else None
         repair = fix(
@@ -102,6 +105,46 @@ class Command:
         if self.page is not None:
             self._page(repair, bodies, self.page)
             print(f"page: {self.page}")
+
+    def _check_apart(self, motions: Sequence[Path | None]) -> None:
+        """Refuse one file for two of the outputs; `motions`: the files of --out."""
+        files = [path.resolve() for path in (*motions, self.page, self.result) if path is not None]
+        if len(set(files)) < len(files):
+            raise InputError(
+                "--out, --page and --result: found one file for two of them, expected a name for "
+                "each"
+            )
+
+    def _sequence(self) -> Motions:
+        """The people of the file; of a result all of them, as they came out, in their bodies."""
+        from halfphysics.formats.results.result_file import is_result
+
+        if is_result(self.motion):
+            return self._of_result()
+        return self.motion_file.sequence(
+            self.motion, body=self.person.instead_of, ground=self.scene.ground
+        )
+
+    def _of_result(self) -> Motions:
+        from halfphysics.formats.floor import on_floor
+        from halfphysics.results.result import Result
+        from halfphysics.scene.scene import Scene
+        from halfphysics.simulation.sequence import Sequence as Motions
+
+        result, clip = Result.load(self.motion), self.motion_file.clip
+        people = [person for person in result.people if clip in (None, person.name)]
+        if not people:
+            names = ", ".join(person.name for person in result.people)
+            raise InputError(f"--clip: found {clip!r}, expected one of {self.motion}: {names}")
+        part = slice(*(self.motion_file.frame_range() or (None, None)))
+        motions = tuple(person.motion[part] for person in people)
+        bodies = tuple(
+            self.person.instead_of(person.body, motion)
+            for person, motion in zip(people, motions, strict=True)
+        )
+        found = Motions(motions, Scene(), bodies)
+        floor = self.motion_file.floor
+        return found if floor is None else on_floor(found, floor)
 
     def _print(self, repair: Repair) -> None:
         from halfphysics.repair.report import measures

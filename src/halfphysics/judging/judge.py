@@ -162,7 +162,9 @@ def _judged(task: Task, reading: Reading) -> list[Judged]:
         if task.truth is not None:
             truth = truth_of(task.truth, reading.motion_file, task.clip)
         motion = _motion(task, reading)
-        verdict = judge(motion, reading.body(None, motion), scene, truth and truth.motion)
+        verdict = judge(
+            motion, reading.body(None, motion), scene, None if truth is None else truth.motion
+        )
         return [Judged(task.name, verdict)]
     except HalfPhysicsError as error:
         return [_failed(task, error)]
@@ -190,9 +192,9 @@ def _of_result(task: Task, reading: Reading, scene: Scene | None) -> list[Judged
             person.motion,
             reading.body(person.body, person.motion),
             result.scene,
-            truth and truth.motion,
+            None if truth is None else truth.motion,
             objects=result.objects,
-            truth_objects=truth and truth.objects,
+            truth_objects=None if truth is None else truth.objects,
         )
         found.append(Judged(f"{task.name}:{person.name}" if count > 1 else task.name, verdict))
     return found

@@ -55,12 +55,35 @@ def truth_of(
     name = how.clip if name is None else name
     if is_result(path):
         result = Result.load(path)
-        which = _which(path, [person.name for person in result.people], name, index, count)
+        names = [person.name for person in result.people]
+        which = _which(f"truth: {path}", names, name, index, count)
         return _of_result(result, how, which)
-    names = _names_in(path)
+    names = list(_names_in(path))
     if len(names) > 1:
-        how = replace(how, clip=names[_which(path, names, name, index, count)])
+        which = _which(f"truth: {path}", names, name, index, count)
+        how = replace(how, clip=names[which])
     return Truth(how.load(path), _recorded(path, how) if objects else None)
+
+
+def reference_of(path: Path, name: str, *, index: int, count: int) -> Motion:
+    """The motion that one of `count` people of a result is compared with (see `truth_of`).
+
+    Raises:
+        InputError: As `truth_of`; the file tells of one person, and the result of several.
+    """
+    from halfphysics.formats.loading import MotionOptions
+    from halfphysics.formats.results.result_file import is_result
+    from halfphysics.results.result import Result
+
+    if count == 1:
+        return MotionOptions().load(path)
+    people = len(Result.load(path).people) if is_result(path) else len(_names_in(path))
+    if people < 2:
+        raise InputError(
+            f"reference: {path} holds one person, and the result {count}; expected as many, or the "
+            "same names. Compare with a result or a file of all of them"
+        )
+    return truth_of(path, MotionOptions(), name, index=index, count=count).motion
 
 
 def _names_in(path: Path) -> Sequence[str]:
@@ -77,7 +100,7 @@ def _names_in(path: Path) -> Sequence[str]:
     return () if format.clips is None else list(format.clips(source))
 
 
-def _which(path: Path, names: Sequence[str], name: str | None, index: int, count: int) -> int:
+def _which(where: str, names: Sequence[str], name: str | None, index: int, count: int) -> int:
     """Which of the people or clips of a file of truths a person is."""
     if len(names) < 2:
         return 0
@@ -88,7 +111,7 @@ def _which(path: Path, names: Sequence[str], name: str | None, index: int, count
     shown = ", ".join(names[:_NAMED]) + (", ..." if len(names) > _NAMED else "")
     who = "one motion without a name" if name is None else f"none of the name {name!r}"
     raise InputError(
-        f"truth: {path} holds {len(names)} ({shown}); found {who} to judge, expected one of these "
+        f"{where} holds {len(names)} ({shown}); found {who} to judge, expected one of these "
         "names. Give the truth of this person in a file of its own (halfphysics convert --clip "
         "writes one)"
     )

@@ -224,6 +224,22 @@ def test_what_plays_no_part_is_said():
         Scene().add_articulated("door", DOOR.replace("</mujoco>", more))
 
 
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ('<keyframe><key qpos="0.3"/></keyframe>', "1 keyframes ignored"),
+        ('<worldbody><body mocap="true"/></worldbody>', "1 mocap bodies, which stand still"),
+        ('<option gravity="0 0 -1.62"/>', r"gravity \(0\.0, 0\.0, -1\.62\) m/s\^2 ignored"),
+    ],
+)
+def test_what_a_file_says_of_its_world_is_said_to_be_ignored(more, said):
+    text = DOOR.replace("</mujoco>", f"{more}</mujoco>")
+    with pytest.warns(HalfPhysicsWarning, match=said):
+        Scene().add_articulated("door", text)
+    as_usual = DOOR.replace("</mujoco>", '<option gravity="0 0 -9.8"/></mujoco>')
+    Scene().add_articulated("door", as_usual)  # warnings of ours are errors in tests
+
+
 def test_names_and_pairs():
     scene = Scene()
     scene.add_articulated("door", DOOR)

@@ -24,7 +24,7 @@ ARRAYS = (
     "jnt_stiffness", "qpos0", "qpos_spring", "dof_damping", "dof_armature", "dof_frictionloss",
     "dof_dampingpoly", "jnt_stiffnesspoly", "mesh_vertadr", "mesh_vertnum", "mesh_vert",
 )  # fmt: skip
-COUNTS = ("ngeom", "nbody", "njnt", "nu", "ntendon", "neq", "nflex")
+COUNTS = ("ngeom", "nbody", "njnt", "nu", "ntendon", "neq", "nflex", "nmocap", "nkey")
 
 
 def complete_urdf(mujoco: Any, spec: Any) -> None:
@@ -38,6 +38,7 @@ def contents(model: Any) -> tuple[dict[str, Any], dict[str, Any]]:
     head: dict[str, Any] = {name: int(getattr(model, name)) for name in COUNTS}
     head["bodies"] = [model.body(b).name for b in range(model.nbody)]
     head["joints"] = [model.joint(j).name for j in range(model.njnt)]
+    head["gravity"] = model.opt.gravity.tolist()
     return head, {name: getattr(model, name) for name in ARRAYS if hasattr(model, name)}
 
 

@@ -31,6 +31,8 @@ _ELLIPSOID_POINTS = 300
 _MOST_INCLUDES = 100
 #: Links of one object, and bytes of its file: the largest humanoids have a hundred links.
 _MOST_LINKS, _MOST_BYTES = 500, 2**26
+#: Gravity of files that say none [m/s^2]; what is about the same is meant to be the same.
+_GRAVITY, _ABOUT = (0.0, 0.0, -9.81), 0.02
 #: Attributes that name files, and the folders in which they are.
 _FILE_KEYS = (
     "file", "filename", "fileright", "fileleft", "fileup", "filedown", "filefront", "fileback",
@@ -376,6 +378,8 @@ def _warn_of_ignored(what: str, model: Any) -> None:
         "tendons": model.ntendon,
         "equality constraints": model.neq,
         "flexible bodies": model.nflex,
+        "mocap bodies, which stand still here,": model.nmocap,
+        "keyframes": model.nkey,
         "friction losses of joints": int(np.count_nonzero(model.dof_frictionloss)),
         "gravity compensations": int(np.count_nonzero(model.body_gravcomp)),
         # Older versions of MuJoCo do not have this list.
@@ -391,6 +395,13 @@ def _warn_of_ignored(what: str, model: Any) -> None:
                 HalfPhysicsWarning,
                 stacklevel=4,
             )
+    if np.linalg.norm(np.subtract(model.gravity, _GRAVITY)) > _ABOUT:
+        warnings.warn(
+            f"{what}: gravity {tuple(model.gravity)} m/s^2 ignored; it falls with the scene's, "
+            "Scene(gravity=...)",
+            HalfPhysicsWarning,
+            stacklevel=4,
+        )
 
 
 def _known(what: str, key: str, named: Mapping[str, LinkJoint], given: Any) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from halfphysics import metrics, scenarios
 from halfphysics.bench.clips import straight
 from halfphysics.errors import InputError
 from halfphysics.results.contacts import Contacts
-from halfphysics.results.result import Result
+from halfphysics.results.result import ObjectTrack, Result
 from support.as_it_is import as_it_is
 from support.references.mesh_queries import closest_reference
 
@@ -121,6 +121,133 @@ def test_a_mesh_and_a_box_bear_out_the_same() -> None:
     a, b = (metrics.contact_precision(r).distance for r in (result, other))
     np.testing.assert_allclose(a, b, atol=1e-7)
     assert metrics.contact_precision(mesh).precision_percent == 100.0
+
+
+def _lying(shape: hp.Box | hp.Mesh, soft: hp.Soft | None) -> hp.Scene:
+    scene = hp.Scene()
+    scene.add_static("bed", shape, position=(0.0, 0.0, 0.2), soft=soft)
+    return scene
+
+
+def test_distances_from_soft_things_are_those_from_their_unloaded_surface() -> None:
+    """Somebody sinks 9 cm into foam: of a box as from the hard box, inside a mesh 0 or less."""
+    box = hp.Box((2.4, 2.4, 0.4))
+    lying = hp.Motion(np.tile([0.0, 0.0, 0.49], (4, 1)), np.zeros((4, 55, 3)), 30.0)
+    soft = hp.Soft(thickness=0.12, stiffness=3e4)
+    result = hp.simulate(lying, _lying(box, soft))
+    report = metrics.contact_precision(result)
+    assert report.contacts > 20
+    assert report.precision_percent == 100.0
+    hard = dataclasses.replace(result, scene=_lying(box, None), people=result.people)
+    np.testing.assert_array_equal(report.distance, metrics.contact_precision(hard).distance)
+    # Hands and heads are under the surface as a whole: a mesh has them inside.
+    mesh = _lying(hp.Mesh(*box.triangles()), soft)
+    other = dataclasses.replace(result, scene=mesh, people=result.people)
+    found = metrics.contact_precision(other)
+    assert found.precision_percent == 100.0
+    assert (report.distance <= 0.0).any()
+    assert np.array_equal(found.distance <= 0.0, report.distance <= 0.0)
+
+
+def test_what_a_soft_mesh_surrounds_as_a_whole_touches_it() -> None:
+    """A hand in the middle of a block, 15 cm from its triangles."""
+    result = kick()
+    body, contacts = result.people[0].body, result.contacts
+    kicks = (contacts.person == 0) & (contacts.other == result.names.index("ball"))
+    row = np.flatnonzero(kicks & (contacts.strength > 0.0))[0]
+    part, frame = contacts.part[row], contacts.frame[row]
+    place = body.vertices(result.motion, frame)[body.weights.argmax(axis=1) == part].mean(axis=0)
+    block = hp.Mesh(*hp.Box((0.8, 0.8, 0.8)).triangles())
+    for soft, apart in ((hp.Soft(thickness=0.1, stiffness=1e4), False), (None, True)):
+        scene = hp.Scene()
+        scene.add_static("ball", block, position=place, soft=soft)
+        moved = dataclasses.replace(result, scene=scene, people=result.people, objects={})
+        impulse = np.eye(len(contacts))[row][:, None] * [0.0, 0.0, 1.0]
+        one = _changed(moved, impulse=impulse)
+        found = metrics.contact_precision(one).distance[row]
+        assert np.isinf(found) if apart else found == 0.0
+
+
+def _angle() -> hp.Mesh:
+    """An L of 10 cm, lying: around its inner corner, vertex 0."""
+    outline = np.array([[0, 0], [0, 0.3], [-0.3, 0.3], [-0.3, -0.3], [0.3, -0.3], [0.3, 0]])
+    low, high = (np.column_stack([outline, np.full(6, z)]) for z in (-0.1, 0.1))
+    cap = np.array([[0, k, k + 1] for k in range(1, 5)])
+    sides = [[k, (k + 1) % 6, k + 6] for k in range(6)]
+    sides += [[(k + 1) % 6, (k + 1) % 6 + 6, k + 6] for k in range(6)]
+    return hp.Mesh(np.concatenate([low, high]), np.concatenate([cap[:, ::-1], cap + 6, sides]))
+
+
+@pytest.mark.parametrize("shape", [hp.Box((0.6, 0.6, 0.2)), _angle()])
+@pytest.mark.parametrize("floor", [hp.Plane(), hp.Box((9.0, 9.0, 0.2))])
+def test_distances_of_soft_objects_are_from_their_unloaded_surface(
+    shape: hp.Shape, floor: hp.Shape
+) -> None:
+    """A cushion on a floor, and a ball on it: of a ball all is known in closed form."""
+    if isinstance(shape, hp.Mesh):
+        pytest.importorskip("coacd")
+        assert shape.closed
+        assert not shape.is_convex
+    scene = hp.Scene()
+    thick = 0.0 if isinstance(floor, hp.Plane) else 0.2
+    scene.add_static("floor", floor, position=(0.0, 0.0, -0.5 * thick))
+    soft = hp.Soft(thickness=0.06, stiffness=2e4)
+    scene.add_object("cushion", shape, mass=1.0, position=(2.0, 0.0, 0.099), soft=soft)
+    scene.add_object("ball", hp.Sphere(0.1), mass=2.0, position=(1.85, 0.0, 0.29))
+    still = hp.Motion(np.tile([0.0, 0.0, 1.0], (8, 1)), np.zeros((8, 55, 3)), 30.0)
+    result = hp.simulate(still, scene, settings=hp.Settings(weight=False, record="frames"))
+    report = metrics.contact_precision(result, margin=1.0)  # earlier poses have no effect
+    contacts, places = result.contacts, {n: t.position for n, t in result.objects.items()}
+    ball = result.names.index("ball")
+    seen = [0, 0]
+    for row in np.flatnonzero(contacts.strength > 0.0):
+        frame = contacts.frame[row]
+        if ball in (contacts.subject[row], contacts.other[row]):
+            gap = places["ball"][frame, 2] - places["cushion"][frame, 2] - 0.2
+            seen[0] += 1
+        else:
+            gap = places["cushion"][frame, 2] - 0.1
+            seen[1] += 1
+        assert report.distance[row] == pytest.approx(gap, abs=2e-3) or (
+            report.distance[row] <= 0.0 and gap <= 0.0
+        )
+    assert min(seen) > 0
+
+
+def test_a_soft_mesh_is_measured_where_it_has_come_to() -> None:
+    """A soft object in any pose as a static mesh there, by a foot beside and in it."""
+    pytest.importorskip("coacd")
+    result = kick(record="frames")
+    body, contacts = result.people[0].body, result.contacts
+    kicks = (contacts.person == 0) & (contacts.other == result.names.index("ball"))
+    row = np.flatnonzero(kicks & (contacts.strength > 0.0))[0]
+    skin = body.vertices(result.motion, contacts.frame[row])
+    foot = skin[body.weights.argmax(axis=1) == contacts.part[row]].mean(axis=0)
+    turn = np.array([0.7, 0.4, -0.5, 0.2]) / np.linalg.norm([0.7, 0.4, -0.5, 0.2])
+    impulse = np.eye(len(contacts))[row][:, None] * [0.0, 0.0, 1.0]
+    seen = []
+    for away in (0.0, 0.15, 0.3):
+        place, soft = foot + away * np.eye(3)[0], hp.Soft(thickness=0.06, stiffness=2e4)
+        still, moves = hp.Scene(), hp.Scene()
+        still.add_static("ball", _angle(), position=place, quaternion=turn)
+        moves.add_object("ball", _angle(), mass=1.0, soft=soft)
+        count = len(result)
+        track = ObjectTrack(
+            position=np.tile(place, (count, 1)), quaternion=np.tile(turn, (count, 1))
+        )
+        found = [
+            metrics.contact_precision(
+                _changed(
+                    dataclasses.replace(result, scene=scene, people=result.people, objects=objects),
+                    impulse=impulse,
+                ),
+                margin=1.0,
+            ).distance[row]
+            for scene, objects in ((still, {}), (moves, {"ball": track}))
+        ]
+        assert found[0] == pytest.approx(found[1], abs=1e-9)
+        seen.append(found[0])
+    assert min(seen) < 0.0 < max(seen) < 0.1
 
 
 def test_precision_without_contacts_and_of_something_else() -> None:

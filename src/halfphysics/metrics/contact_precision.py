@@ -48,9 +48,9 @@ def contact_precision(result: Result, *, margin: float = MARGIN) -> LabelReport:
     A label says that two sides touched during (t-1, t]: a person's part or an object, and a
     static, an object, a link or another part. The measure is the distance of their collision
     geometry: hulls of the skin (of the rigid parts with ``contact="parts"``), an object's convex
-    pieces, a static's own surface; at frames t-1 and t, and at every substep between them if the
-    result has them. A label is confirmed if the distance is at most the clearance
-    (`Settings.clearance`) plus `margin`.
+    pieces, a static's own surface, of soft things the surface that nothing presses; at frames
+    t-1 and t, and at every substep between them if the result has them. A label is confirmed
+    if the distance is at most the clearance (`Settings.clearance`) plus `margin`.
 
     Args:
         result: The result of a simulation.

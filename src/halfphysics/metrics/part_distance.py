@@ -76,14 +76,80 @@ class Poses:
                 contacts.part[rows[some]],
                 at[some],
                 RANGE,
+                still=_is_mesh(self._solids(name)),
             )
+            if self._filled(name) is not None:
+                apart = some[found[some] > 0.0]
+                sunk = self._parts_within(side - first, contacts.part[rows[apart]], name, at[apart])
+                found[apart[sunk]] = 0.0
         return found
 
     def _between(self, name: str, other: str, at: NDArray[np.intp]) -> Array:
         """Distances (n,) of an object from a static, an object or a link in poses `at` (n,)."""
+        if _is_mesh(self._solids(name)) and _has_hulls(self._solids(other)):
+            name, other = other, name
         mine, its = self._places(name, at), self._places(other, at)
-        gap = self._gap_item(name).between(*mine, self._gap_item(other), *its, RANGE)
-        return np.asarray(gap)
+        if other in self.tracks and _is_mesh(self._solids(other)):
+            # The core holds a mesh still: the other side moves past it.
+            position, turn = its
+            back = np.swapaxes(turn, 1, 2)
+            place = np.einsum("nij,nj->ni", back, mine[0] - position)
+            mine = np.ascontiguousarray(place), np.ascontiguousarray(back @ mine[1])
+            its = np.zeros((len(at), 3)), np.tile(np.eye(3), (len(at), 1, 1))
+        item = self._gap_item(name, by_triangle=_is_mesh(self._solids(name)))
+        found = np.array(item.between(*mine, self._gap_item(other), *its, RANGE))
+        for one, another in ((name, other), (other, name)):
+            if self._filled(another) is not None:
+                apart = np.flatnonzero(found > 0.0)
+                found[apart[self._item_within(one, another, at[apart])]] = 0.0
+        return found
+
+    def _parts_within(
+        self, side: int, part: NDArray[np.integer], name: str, at: NDArray[np.intp]
+    ) -> NDArray[np.bool_]:
+        """Whether parts (n,) that do not cross a filled mesh are inside it, in poses `at` (n,).
+
+        What does not cross a surface is inside it with any of its points: one of each hull is
+        looked at.
+        """
+        found = np.zeros(len(at), dtype=bool)
+        frames = np.unique(at)
+        for i in range(0, len(frames), _CHUNK):
+            chunk = frames[i : i + _CHUNK]
+            here = np.flatnonzero((at >= chunk[0]) & (at <= chunk[-1]))
+            skins = self._skins(chunk)
+            hulls = [
+                self._person(skins, np.searchsorted(chunk, at[n]), side, part[n]) for n in here
+            ]
+            row = np.repeat(here, [len(its) for its in hulls])
+            points = np.array([hull.vertices[0] for its in hulls for hull in its]).reshape(-1, 3)
+            found[row[self._within(name, points, at[row])]] = True
+        return found
+
+    def _item_within(self, name: str, other: str, at: NDArray[np.intp]) -> NDArray[np.bool_]:
+        """Whether an item that does not cross a filled mesh is inside it, in poses `at` (n,)."""
+        found = np.zeros(len(at), dtype=bool)
+        position, turn = self._places(name, at)
+        for solid in self._solids(name):
+            if isinstance(solid, tuple):  # a half-space has no end
+                continue
+            corner = solid.corners[0, 0] if isinstance(solid, Triangles) else solid.vertices[0]
+            found |= self._within(other, turn @ corner + position, at)
+        return found
+
+    def _within(self, name: str, points: Array, at: NDArray[np.intp]) -> NDArray[np.bool_]:
+        """Whether points (n, 3) in the world are inside a filled mesh in poses `at` (n,)."""
+        mesh = self._filled(name)
+        if mesh is None or not len(points):
+            return np.zeros(len(points), dtype=bool)
+        static = self.result.scene.statics.get(name)
+        if static is None:
+            position, turn = self._places(name, at)
+        else:
+            position, turn = static.position, rot.to_matrix(static.quaternion)[None]
+        local = np.einsum("nj,njk->nk", points - position, np.broadcast_to(turn, (len(at), 3, 3)))
+        # Its faces may look inward.
+        return np.asarray(np.abs(mesh.query.winding(local)) > 0.5)
 
     def _places(self, name: str, at: NDArray[np.intp]) -> tuple[Array, Array]:
         """Positions (n, 3) and turns (n, 3, 3) of an item; the world frame for a static."""
@@ -93,23 +159,28 @@ class Poses:
         turn = rot.to_matrix(rot.normalize(track.quaternion[at]))
         return np.ascontiguousarray(track.position[at]), np.ascontiguousarray(turn)
 
-    def _gap_item(self, name: str) -> Any:
-        """Collision geometry of a static, an object or a link for the core; computed once."""
-        if name not in self._gap_items:
+    def _gap_item(self, name: str, *, by_triangle: bool = False) -> Any:
+        """Collision geometry of a static, an object or a link for the core; computed once.
+
+        `by_triangle`: a mesh as one hull a triangle, since only hulls are measured from others.
+        """
+        if (name, by_triangle) not in self._gap_items:
             from halfphysics import _native
 
             item = _native.GapThing()
-            still = name in self._statics
-            for solid in [self._statics[name]] if still else self._colliders(name):
+            for solid in self._solids(name):
                 if isinstance(solid, ConvexCollider):
                     item.add_hull(*solid.arrays)
+                elif isinstance(solid, Triangles) and by_triangle:
+                    for corners in solid.corners:
+                        item.add_hull(*_hull(corners).arrays)
                 elif isinstance(solid, Triangles):
                     corners = np.ascontiguousarray(solid.corners.reshape(-1, 3))
                     item.add_mesh(corners, np.arange(len(corners), dtype=np.int32).reshape(-1, 3))
                 else:
                     item.add_half_space(*solid)
-            self._gap_items[name] = item
-        return self._gap_items[name]
+            self._gap_items[name, by_triangle] = item
+        return self._gap_items[name, by_triangle]
 
     def _between_people(self, rows: NDArray[np.intp], at: NDArray[np.intp]) -> Array:
         """Distances (n,) of parts from parts, their own person's or another's, hull by hull."""
@@ -164,15 +235,44 @@ class Poses:
         ]
         return [_hull(skins[side][k][piece]) for piece in pieces]
 
-    def _colliders(self, name: str) -> list[ConvexCollider]:
-        """The convex pieces of an object or a link, in its frame."""
+    def _solids(self, name: str) -> Sequence[Solid]:
+        """A static in the world; the pieces of an object or a link in its frame.
+
+        Of what is soft, the surface that nothing presses: its hard frame touches nothing.
+        """
+        if name in self._statics:
+            return [self._statics[name]]
+        if name not in self._pieces:
+            self._pieces[name] = self._solids_of(name)
+        return self._pieces[name]
+
+    def _solids_of(self, name: str) -> Sequence[Solid]:
         scene = self.result.scene
-        if name in scene.objects:
-            return [convex_collider(piece) for piece in scene.objects[name].pieces]
-        return [geom.collider() for geom in links_of(scene)[name][1].geoms]
+        item = scene.objects.get(name)
+        if item is None:
+            return [geom.collider() for geom in links_of(scene)[name][1].geoms]
+        if item.soft is None:
+            return [convex_collider(piece) for piece in item.pieces]
+        shape = item.true_shape
+        if isinstance(shape, Mesh) and not shape.is_convex:
+            return [Triangles(shape.vertices[shape.faces])]
+        return [convex_collider(shape)]
+
+    def _filled(self, name: str) -> Mesh | None:
+        """The closed mesh of something soft that is measured by its triangles; None: it is not."""
+        scene = self.result.scene
+        item = scene.statics.get(name) or scene.objects.get(name)
+        if item is None or item.soft is None or not _is_mesh(self._solids(name)):
+            return None
+        shape = item.true_shape
+        return shape if isinstance(shape, Mesh) and shape.closed else None
 
     @cached_property
-    def _gap_items(self) -> dict[str, Any]:
+    def _gap_items(self) -> dict[tuple[str, bool], Any]:
+        return {}
+
+    @cached_property
+    def _pieces(self) -> dict[str, Sequence[Solid]]:
         return {}
 
     @cached_property
@@ -180,9 +280,18 @@ class Poses:
         return {name: _placed(static) for name, static in self.result.scene.statics.items()}
 
 
+def _is_mesh(solids: Sequence[Solid]) -> bool:
+    """Whether an item is measured by its triangles."""
+    return any(isinstance(solid, Triangles) for solid in solids)
+
+
+def _has_hulls(solids: Sequence[Solid]) -> bool:
+    return any(isinstance(solid, ConvexCollider) for solid in solids)
+
+
 def _placed(static: Static) -> Solid:
-    """A static in the world."""
-    turn, shape = rot.to_matrix(static.quaternion), static.frame
+    """A static in the world: of a soft one the surface that nothing presses."""
+    turn, shape = rot.to_matrix(static.quaternion), static.shape
     if isinstance(shape, Plane):
         normal = turn @ np.asarray(shape.normal)
         return normal, float(shape.offset + normal @ static.position)

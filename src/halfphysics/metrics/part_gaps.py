@@ -32,6 +32,8 @@ def part_gaps(
     part: Whole,
     at: Whole,
     reach: float,
+    *,
+    still: bool = False,
 ) -> Array:
     """Distances (n,) [m] of parts (n,) of a person from an item in poses `at` (n,).
 
@@ -44,6 +46,7 @@ def part_gaps(
         track: Its poses; None: it is static.
         part, at: Parts and poses (n,).
         reach: Largest distance that is measured [m].
+        still: Measure in the item's frame: the core moves hulls, but no triangles.
     """
     found = np.full(len(at), np.inf)
     frames = np.unique(at)
@@ -65,6 +68,9 @@ def part_gaps(
         if track is not None:
             position = np.ascontiguousarray(track.position[chunk])
             turn = rot.to_matrix(rot.normalize(track.quaternion[chunk]))
+        if still and track is not None:
+            posed = np.ascontiguousarray((posed - position[:, None]) @ turn)
+            position, turn = np.zeros((len(chunk), 3)), np.tile(np.eye(3), (len(chunk), 1, 1))
         found[here] = item.gaps(
             posed,
             pose,

@@ -2,7 +2,7 @@
 
 An object collides by its convex pieces, a static by its own shape; round shapes are exact, not
 triangulated. The distance from a solid is 0 inside it. A static mesh is a surface without an
-inside, as in the simulation.
+inside, as in the simulation, but for a closed mesh that is soft: skin sinks into it.
 """
 
 from __future__ import annotations
@@ -35,13 +35,26 @@ Array = NDArray[np.float64]
 class Solid:
     """A shape that collides; `position` (3,) and `turn` (3, 3) of its frame in its item's frame.
 
-    `surface`: a mesh collides by its triangles; else by its convex hull.
+    `surface`: a mesh collides by its triangles; else by its convex hull. `filled`: such a mesh has
+    an inside.
     """
 
     shape: Shape
     position: Array
     turn: Array
     surface: bool = False
+    filled: bool = False
+
+    def inside(self, points: Array) -> NDArray[np.bool_]:
+        """Whether points (n, 3) of its item's frame are inside a `filled` mesh (n,)."""
+        if not self.filled or not isinstance(self.shape, Mesh):
+            return np.zeros(len(points), dtype=bool)
+        local = (points - self.position) @ self.turn
+        low, high = self.shape.query.bounds
+        found = ((local >= low) & (local <= high)).all(axis=1)
+        # The faces may look inward.
+        found[found] = np.abs(self.shape.query.winding(local[found])) > 0.5
+        return found
 
     def add_to(self, item: Any) -> None:
         """Add it to a `TouchingThing` of the core."""
@@ -76,6 +89,7 @@ class ItemSolids(ReadOnly):
         turn: World from its frame (T, 3, 3) or (1, 3, 3).
         stands: Whether it is a static, or a link that no joint moves.
         parts: Parts of a person that collide with it (55,): all but those the scene ignores.
+        soft: Whether it gives way: its solids are the surface that nothing presses.
     """
 
     _REBUILT: ClassVar[frozenset[str]] = frozenset({"native"})
@@ -86,6 +100,7 @@ class ItemSolids(ReadOnly):
     turn: Array
     stands: bool
     parts: NDArray[np.bool_]
+    soft: bool = False
 
     __repr__ = short_repr
 
@@ -111,7 +126,22 @@ class ItemSolids(ReadOnly):
 
     def distance(self, points: Array) -> Array:
         """Distances (n,) [m] of points (n, 3) in its frame; 0 inside, inf without a solid."""
-        return np.asarray(self.native.distance(np.ascontiguousarray(points)))
+        found = np.array(self.native.distance(np.ascontiguousarray(points)))
+        if self.filled:
+            found[self.inside(points)] = 0.0
+        return found
+
+    @property
+    def filled(self) -> bool:
+        """Whether it has meshes with an inside that the core does not know."""
+        return any(solid.filled for solid in self.solids)
+
+    def inside(self, points: Array) -> NDArray[np.bool_]:
+        """Whether points (n, 3) in its frame are inside a filled mesh (n,)."""
+        found = np.zeros(len(points), dtype=bool)
+        for solid in self.solids:
+            found |= solid.inside(points)
+        return found
 
 
 def item_solids(scene: Scene, tracks: Mapping[str, ObjectTrack]) -> tuple[ItemSolids, ...]:
@@ -123,14 +153,16 @@ def item_solids(scene: Scene, tracks: Mapping[str, ObjectTrack]) -> tuple[ItemSo
     """
     found: list[tuple[str, str, tuple[Solid, ...], Array, Array, bool]] = []
     for name, static in scene.statics.items():
-        solid = Solid(static.shape, np.zeros(3), np.eye(3), isinstance(static.shape, Mesh))
+        solid = _surface(static.shape, static.soft is not None, isinstance(static.shape, Mesh))
         turn = rot.to_matrix(static.quaternion)
         found.append((name, name, (solid,), static.position[None], turn[None], True))
     for name, item in scene.objects.items():
         # What is touched of a soft object is its surface, not the pieces of its frame.
         shapes = item.pieces if item.soft is None else (item.true_shape,)
-        uncut = item.soft is not None and item.decomposition is not None
-        pieces = tuple(Solid(piece, np.zeros(3), np.eye(3), uncut) for piece in shapes)
+        soft = item.soft is not None
+        pieces = tuple(
+            _surface(s, soft, soft and isinstance(s, Mesh) and not s.is_convex) for s in shapes
+        )
         found.append((name, name, pieces, *_poses(tracks[name]), False))
     for whole in scene.articulated.values():
         for name, link in zip(whole.link_names, whole.links, strict=True):
@@ -143,9 +175,22 @@ def item_solids(scene: Scene, tracks: Mapping[str, ObjectTrack]) -> tuple[ItemSo
                 position, turn = position[:1], turn[:1]
             found.append((name, whole.name, geoms, position, turn, link.fixed))
     return tuple(
-        ItemSolids(name, solids, position, turn, stands, _touched(scene, owner))
+        ItemSolids(
+            name, solids, position, turn, stands, _touched(scene, owner), _is_soft(scene, name)
+        )
         for name, owner, solids, position, turn, stands in found
     )
+
+
+def _surface(shape: Shape, soft: bool, by_triangle: bool) -> Solid:
+    """A shape in its item's frame."""
+    filled = soft and by_triangle and isinstance(shape, Mesh) and shape.closed
+    return Solid(shape, np.zeros(3), np.eye(3), by_triangle, filled)
+
+
+def _is_soft(scene: Scene, name: str) -> bool:
+    item = scene.statics.get(name) or scene.objects.get(name)
+    return item is not None and item.soft is not None
 
 
 def _touched(scene: Scene, owner: str) -> NDArray[np.bool_]:

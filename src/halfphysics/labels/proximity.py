@@ -20,6 +20,7 @@ from halfphysics.body import skinning
 from halfphysics.labels.bounding_spheres import PartBalls, part_balls
 from halfphysics.labels.item_solids import ItemSolids
 from halfphysics.labels.sampling import ObjectSurface
+from halfphysics.labels.soft_overlap import close_inside, with_sunk, with_swallowed
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -123,7 +124,7 @@ def near(body: Body, motion: Motion, targets: Sequence[Target]) -> list[tuple[Ne
         )
         for target, c, out in zip(targets, close, found, strict=True):
             if c.any():
-                skin, surface = _asked(target, some, posed, frames, c)
+                skin, surface = _asked(target, some, posed, frames, c, (body, motion))
                 out[0].append(skin)
                 out[1].append(surface)
     return [(Near.joined(a), Near.joined(b)) for a, b in found]
@@ -142,7 +143,11 @@ def _close(
         reach += target.surface.off
     close = np.array(asked, dtype=np.uint8, order="C")
     item.native.close(centres, radii, close, *item.at(frames), reach)
-    return close.view(np.bool_)
+    found = close.view(np.bool_)
+    if item.filled:
+        every = np.arange(len(centres)) if frames is None else frames
+        found = close_inside(item, centres, found, asked, every)
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,8 +177,12 @@ def _asked(
     posed: Array,
     frames: NDArray[np.intp],
     close: NDArray[np.bool_],
+    whole: tuple[Body, Motion],
 ) -> tuple[Near, Near]:
-    """Rows near an item: of vertices (t, n, 3) at some frames (t,) in close clusters (t, c)."""
+    """Rows near an item: of vertices (t, n, 3) at some frames (t,) in close clusters (t, c).
+
+    `whole`: the person, of whom the vertices are a part.
+    """
     item, surface = target.item, target.surface
     position, turn = item.at(frames)
     skin, points = item.native.near(
@@ -187,11 +196,21 @@ def _asked(
         0.0 if surface is None else surface.off,
         some.faces,
     )
+    if item.filled:
+        wanted = np.repeat(close, np.diff(some.first), axis=1)
+        skin = with_sunk(item, posed, wanted, frames, skin)
     frame, vertex = frames[skin[0]].astype(np.int32), some.vertex[skin[1]]
     order = np.lexsort((vertex, frame))
     of_skin = Near(frame[order], vertex[order], skin[2][order])
     k, vertex, distance, nearest, point = points
+    nearest = some.vertex[nearest]
+    if item.soft and surface is not None:
+        rows = k, vertex, distance, nearest, point
+        skins = whole[0].vertices(whole[1], frames)
+        k, vertex, distance, nearest, point = with_swallowed(
+            item, surface.vertices, whole[0], skins, frames, rows
+        )
     at = np.zeros_like(k) if item.still else k
     world = np.einsum("nij,nj->ni", turn[at], point) + position[at]
-    of_points = Near(frames[k].astype(np.int32), vertex, distance, some.vertex[nearest], world)
+    of_points = Near(frames[k].astype(np.int32), vertex, distance, nearest, world)
     return of_skin, of_points

@@ -27,7 +27,7 @@ def solid_distance(solid: Solid, points: Array) -> Array:
     """Distances (n,) [m] of points (n, 3) in the object's frame from a solid, 0 inside it."""
     p, shape = (points - solid.position) @ solid.turn, solid.shape
     if isinstance(shape, Mesh):
-        return _mesh_distance(shape, solid.surface, p)
+        return _mesh_distance(shape, solid.surface, solid.filled, p)
     distance: Array
     if isinstance(shape, Plane):
         distance = p @ np.asarray(shape.normal) - shape.offset
@@ -49,11 +49,12 @@ def solid_distance(solid: Solid, points: Array) -> Array:
     return np.maximum(distance, 0.0)
 
 
-def _mesh_distance(shape: Mesh, surface: bool, points: Array) -> Array:
-    """Distances (n,) [m] of points (n, 3) from a mesh's surface, or from the solid of its hull."""
+def _mesh_distance(shape: Mesh, surface: bool, filled: bool, points: Array) -> Array:
+    """Distances (n,) [m] of points (n, 3) from a mesh's surface, or from the solid in it or in its
+    hull."""
     mesh = shape if surface else shape.hull
     distance = closest_reference(points, mesh.vertices, mesh.faces)[0]
-    if surface:
+    if surface and not filled:
         return distance
     return np.where(winding_reference(points, mesh.vertices, mesh.faces) > 0.5, 0.0, distance)
 
@@ -78,6 +79,9 @@ def _in_frame(body: Body, posed: Array, target: Target, frame: int) -> tuple[Nea
         return skin, Near.joined([])
     faces = body.faces[item.parts[part[body.faces]].all(axis=1)]
     distance, face, point = closest_reference(target.surface.vertices, local, faces)
+    if item.soft:
+        inside = winding_reference(target.surface.vertices, local, body.faces) > 0.5
+        distance = np.where(inside, 0.0, distance)
     vertex = np.flatnonzero(distance <= target.reach)
     corners = faces[face[vertex]]
     apart = np.linalg.norm(local[corners] - point[vertex, None], axis=2).argmin(axis=1)

@@ -15,6 +15,7 @@ from halfphysics.geometry.shapes import Box, Plane, Sphere
 from halfphysics.render.film import CAMERAS, FilmOptions, encoding, save_film, save_picture
 from halfphysics.render.film.filming import Shoot
 from halfphysics.render.film.overlay import Overlay
+from halfphysics.render.film.sampling import sampled
 from halfphysics.render.film.saving import film_rate, film_times
 from halfphysics.render.film.tracking import Story, hiding, track
 from halfphysics.render.result_meshes import Drawing
@@ -138,6 +139,39 @@ def test_fewer_frames_and_a_part_of_the_story():
     assert film_rate([fast], FilmOptions(), ".mp4") == 50.0
     assert film_rate([fast], FilmOptions(), ".gif") == 150.0 / 8
     assert film_rate([fast], FilmOptions(fps=100.0), ".mp4") == 100.0
+
+
+@pytest.mark.parametrize(
+    ("options", "count"),
+    [
+        ({"fps": 0.5}, 1),
+        ({"start": 0.1, "end": 0.11}, 1),
+        ({"speed": 40.0}, 1),
+        ({"speed": 5.0, "fps": 5.0}, 1),
+    ],
+)
+@pytest.mark.parametrize("camera", ["fixed", "follow", "orbit"])
+def test_a_film_may_have_one_picture(tmp_path, options, count, camera):
+    result = small_result()
+    film = save_film(
+        result, tmp_path / "film.gif", dataclasses.replace(PLAIN, camera=(camera,), **options)
+    )
+    with Image.open(film) as image:
+        assert image.n_frames == count
+
+
+def test_poses_of_a_film_may_be_farther_apart_than_a_motion_allows():
+    """10 m a frame at 4 fps, every second frame: 80 m/s, were it a motion of its own."""
+    result = small_result()
+    way = np.arange(FRAMES)[:, None] * [10.0, 0.0, 0.0]
+    far = result.motion.with_frames(way, result.motion.rotations, fps=4.0)
+    person = SimpleNamespace(**(vars(result.people[0]) | {"motion": far, "recorded": far}))
+    seen = sampled(
+        SimpleNamespace(**(vars(result) | {"people": (person,), "motion": far})),
+        np.arange(0.0, FRAMES, 2.0),
+    )
+    np.testing.assert_array_equal(seen.motion.translation, way[::2])
+    assert seen.motion.fps == 4.0
 
 
 def test_views_stand_beside_or_below_each_other():

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from halfphysics.base import rotations as rot
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.resampling import neighbours
+from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.results.result import ObjectTrack
 
 if TYPE_CHECKING:
@@ -79,12 +80,18 @@ def sampled(result: Result, frames: Array) -> Sampled:
 
 
 def _motion(motion: Motion, low: Any, high: Any, weight: Array) -> Motion:
+    """The poses of a film: any number of them, one too, and however far one is from the next."""
     rotations = motion.rotations[low]
     between = weight > 0.0
     before, after = (rot.exp(motion.rotations[k[between]]) for k in (low, high))
     rotations[between] = rot.log(rot.slerp(before, after, weight[between, None]))
     translation = _line(motion.translation, low, high, weight)
-    return Motion(translation, rotations, motion.fps, axes=motion.axes)
+    # Pictures are no motion to simulate: neither their number nor their speed is checked.
+    poses = Motion(np.zeros((2, 3)), np.zeros((2, N_JOINTS, 3)), motion.fps, axes=motion.axes)
+    for name, values in (("translation", translation), ("rotations", rotations)):
+        values.setflags(write=False)
+        object.__setattr__(poses, name, values)
+    return poses
 
 
 def _line(values: Array, low: Any, high: Any, weight: Array) -> Array:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from halfphysics import metrics
 from halfphysics.cli.table import table
 from halfphysics.metrics.asked import asked_motion
+from halfphysics.metrics.scene_solids import known_tracks
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -77,7 +78,11 @@ def _standing(result: Result, person: int) -> list[tuple[str, str, str]]:
     reference = asked_motion(subject)
     floats = [
         metrics.floating(
-            motion, subject.body, result.scene, objects=result.objects, reference=reference
+            motion,
+            subject.body,
+            result.scene,
+            objects=known_tracks(result.scene, result.objects),
+            reference=reference,
         )
         for motion in (reference, subject.motion)
     ]

@@ -11,6 +11,7 @@ import numpy as np
 
 from halfphysics import metrics
 from halfphysics.metrics.asked import asked_motion
+from halfphysics.metrics.scene_solids import known_tracks
 from halfphysics.results.layer_pressure import pressures
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ def of_result(result: Result, person: int) -> dict[str, Any]:
                 motion,
                 subject.body,
                 result.scene,
-                objects=result.objects,
+                objects=known_tracks(result.scene, result.objects),
                 reference=asked_motion(subject),
             ),
             "physdiff": metrics.physdiff(motion, subject.body),

@@ -173,6 +173,7 @@ def _judged(task: Task, reading: Reading) -> list[Judged]:
 def _of_result(task: Task, reading: Reading, scene: Scene | None) -> list[Judged]:
     """The realised motions of a result's people, in its scene with its objects."""
     from halfphysics.metrics import judge
+    from halfphysics.metrics.scene_solids import known_tracks
     from halfphysics.results.result import Result
 
     result = Result.load(task.path, scene=scene)
@@ -193,7 +194,7 @@ def _of_result(task: Task, reading: Reading, scene: Scene | None) -> list[Judged
             reading.body(person.body, person.motion),
             result.scene,
             None if truth is None else truth.motion,
-            objects=result.objects,
+            objects=known_tracks(result.scene, result.objects),
             truth_objects=None if truth is None else truth.objects,
         )
         found.append(Judged(f"{task.name}:{person.name}" if count > 1 else task.name, verdict))

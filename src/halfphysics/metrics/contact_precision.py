@@ -11,6 +11,7 @@ from halfphysics.base.short_repr import short_repr
 from halfphysics.base.validation import number
 from halfphysics.metrics.argument_checks import Array, check_result
 from halfphysics.metrics.part_distance import Poses
+from halfphysics.metrics.scene_solids import known_contacts
 
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
@@ -24,14 +25,15 @@ class LabelReport:
     """Contact labels of a result that the geometry confirms.
 
     Attributes:
-        contacts: Number of labelled contacts that carry an impulse.
+        contacts: Number of labelled contacts that carry an impulse; those with an item that a
+            result's file could not keep, whose shape is not known, are left out.
         precision_percent: Share of them whose sides are within clearance + margin of each other
             at their frame, or at a pose on the way to it [%]; 100 where there are none.
         at_frame_percent: Share of them for which that holds at the pose of their frame itself [%]:
             after a bounce the sides are apart again.
         distance: Minimum distance of the two sides of every row of ``result.contacts`` (n,) on the
-            way to its frame [m]; 0 or less if they overlap, inf beyond 0.1 m, nan without an
-            impulse.
+            way to its frame [m]; 0 or less if they overlap, inf beyond 0.1 m, nan where a row does
+            not count.
     """
 
     contacts: int
@@ -63,7 +65,7 @@ def contact_precision(result: Result, *, margin: float = MARGIN) -> LabelReport:
     check_result(result)
     most = result.settings.clearance + number(margin, "margin", least=0.0, unit="m")
     contacts = result.contacts
-    rows = np.flatnonzero(contacts.strength > 0.0)
+    rows = np.flatnonzero((contacts.strength > 0.0) & known_contacts(result))
     frame = contacts.frame[rows]
     poses = Poses(result, [p.motion for p in result.people], result.objects)
     best = poses.distances(rows, frame)

@@ -12,7 +12,7 @@ from halfphysics.base import rotations as rot
 from halfphysics.base.copying import FrozenMapping
 from halfphysics.base.short_repr import short_repr
 from halfphysics.metrics.argument_checks import Array, check_result
-from halfphysics.metrics.scene_solids import links_of
+from halfphysics.metrics.scene_solids import known_contacts, links_of
 from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.scene.material_pairs import PERSON
 from halfphysics.scene.trajectories import KinematicObject
@@ -61,7 +61,8 @@ def contact_forces(result: Result) -> ForceReport:
     A contact's impulse p, of all points of a pair in a frame, is split along the contact's normal
     n into p_n = p . n and the rest p_t. It pushes if p_n >= 0, and is in its cone if
     |p_t| <= mu p_n, mu being the pair's friction (`Scene.friction_of`); both to a millionth of
-    |p|. If a pair touches in several planes, a sum of impulses that are each in their own cone
+    |p|. Pairs with an item that a result's file could not keep, whose friction is not known, are
+    left out. If a pair touches in several planes, a sum of impulses that are each in their own cone
     can be outside the cone of the mean normal.
 
     Each object's momentum m v changes in a frame by the impulses on it and by gravity:
@@ -75,7 +76,7 @@ def contact_forces(result: Result) -> ForceReport:
     """
     check_result(result)
     contacts, scene = result.contacts, result.scene
-    contacts = contacts[contacts.strength > 0.0]
+    contacts = contacts[(contacts.strength > 0.0) & known_contacts(result)]
     along = np.einsum("ni,ni->n", contacts.impulse, contacts.normal)
     across = np.linalg.norm(contacts.impulse - along[:, None] * contacts.normal, axis=1)
     beyond = across - _friction(result, contacts) * np.maximum(along, 0.0)

@@ -17,7 +17,7 @@ from halfphysics.geometry.colliders import ConvexCollider, convex_collider
 from halfphysics.geometry.shapes import Mesh, Plane
 from halfphysics.metrics.argument_checks import Array
 from halfphysics.metrics.part_gaps import part_gaps
-from halfphysics.metrics.scene_solids import links_of
+from halfphysics.metrics.scene_solids import known_contacts, links_of
 
 if TYPE_CHECKING:
     from halfphysics.motion.motion import Motion
@@ -52,11 +52,11 @@ class Poses:
     def distances(self, rows: NDArray[np.intp], at: NDArray[np.intp]) -> Array:
         """Distances (n,) [m] between the two sides of contacts `rows` (n,) in poses `at` (n,).
 
-        0 or less if they overlap; inf beyond `RANGE`.
+        0 or less if they overlap; inf beyond `RANGE`, and from what the scene does not have.
         """
         contacts, found = self.result.contacts, np.full(len(rows), np.inf)
-        item = contacts.other_part[rows] < 0
-        rest = np.flatnonzero(~item)
+        item = (contacts.other_part[rows] < 0) & known_contacts(self.result)[rows]
+        rest = np.flatnonzero(contacts.other_part[rows] >= 0)
         found[rest] = self._between_people(rows[rest], at[rest])
         # Group the rows by pair: a person or (with a larger index) an object, and an item.
         subject, first = contacts.subject[rows], len(self.result.names)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from halfphysics.base import rotations
 from halfphysics.base.arrays import array_of
@@ -17,8 +18,10 @@ from halfphysics.scene.material_pairs import PERSON
 from halfphysics.scene.scene import Scene
 
 if TYPE_CHECKING:
+    from halfphysics.results.result import Result
     from halfphysics.scene.articulated import Link
 
+Track = TypeVar("Track")
 
 #: A shape, its positions (T or 1, 3) [m] and quaternions (T or 1, 4).
 Solid = tuple[Shape, Array, Array]
@@ -31,6 +34,29 @@ def links_of(scene: Scene) -> dict[str, tuple[str, Link]]:
         for item in scene.articulated.values()
         for name, link in zip(item.link_names, item.links, strict=True)
     }
+
+
+def known_tracks(scene: Scene, objects: Mapping[str, Track]) -> dict[str, Track]:
+    """The tracks of a result's objects and links that its scene has.
+
+    A result from a file whose scene lacks a mesh, one that is gone or came from memory, still has
+    the track: nothing can be measured from it.
+    """
+    links = links_of(scene)
+    return {name: its for name, its in objects.items() if name in scene.objects or name in links}
+
+
+def known_contacts(result: Result) -> NDArray[np.bool_]:
+    """Which rows of ``result.contacts`` (n,) are of people and of what the scene has.
+
+    As `known_tracks`: nothing is known of what a scene from a file lacks but its name.
+    """
+    scene = result.scene
+    names = {*scene.statics, *scene.objects, *links_of(scene), *(p.name for p in result.people)}
+    # -1, no object, is the last one.
+    known = np.array([*(name in names for name in result.names), True])
+    mask: NDArray[np.bool_] = known[result.contacts.subject] & known[result.contacts.other]
+    return mask
 
 
 def tracks_of(

@@ -14,6 +14,7 @@ from halfphysics.base.short_repr import short_repr
 from halfphysics.metrics.airborne import airborne, free_fall
 from halfphysics.metrics.argument_checks import Array, check_result
 from halfphysics.metrics.asked import asked_motion
+from halfphysics.metrics.scene_solids import known_tracks
 from halfphysics.metrics.surface_gaps import Gaps, carrying_gaps
 from halfphysics.motion.skeleton import JOINT_INDEX
 
@@ -135,7 +136,8 @@ def stance_slide(result: Result, person: int = 0) -> StanceReport:
     """
     check_result(result)
     result._check_person(person)
-    subject, scene, objects = result.people[person], result.scene, result.objects
+    subject, scene = result.people[person], result.scene
+    objects = known_tracks(scene, result.objects)
     patch = sole_patches(subject.body)
     asked, got = (
         carrying_gaps(

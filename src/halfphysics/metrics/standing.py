@@ -14,6 +14,7 @@ from halfphysics.metrics.floating import MOST, FloatReport, floating_from
 from halfphysics.metrics.net_force import net_force
 from halfphysics.metrics.path_offset import path_of
 from halfphysics.metrics.range_violations import TOLERANCE, range_violations
+from halfphysics.metrics.scene_solids import known_tracks
 from halfphysics.metrics.stance import stance_slide
 from halfphysics.metrics.surface_gaps import carrying_gaps
 from halfphysics.metrics.unsupported import unsupported_weight
@@ -57,7 +58,7 @@ def _floats(result: Result, person: PersonResult) -> list[str]:
     step = max(1, -(-len(result) // SAMPLED))
     tracks = {
         name: ObjectTrack(position=track.position[::step], quaternion=track.quaternion[::step])
-        for name, track in result.objects.items()
+        for name, track in known_tracks(result.scene, result.objects).items()
     }
     if len(in_air[::step]) < 2:
         return []

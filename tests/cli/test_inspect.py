@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
+from halfphysics.render.contact_sheet import save_contact_sheet
 from support.command_line import run
 
 
@@ -52,6 +53,21 @@ def test_a_result_is_a_result(clip, capsys):
     assert run("simulate", clip, "--out", "result.npz") == 0
     assert run("inspect", "result.npz") == 0
     assert "a result of halfphysics simulate" in capsys.readouterr().out
+
+
+def test_a_result_is_drawn_as_its_contact_sheet(clip, tmp_path, capsys):
+    assert run("simulate", clip, "--out", "result.npz") == 0
+    assert run("inspect", "result.npz", "--picture", "look.png") == 0
+    assert "picture: look.png" in capsys.readouterr().out
+    save_contact_sheet(hp.Result.load("result.npz"), "sheet.png")
+    assert (tmp_path / "look.png").read_bytes() == (tmp_path / "sheet.png").read_bytes()
+
+
+@pytest.mark.parametrize("option", [("--clip", "walk"), ("--stature", "1.6")])
+def test_options_for_motions_are_refused_for_a_result(clip, capsys, option):
+    assert run("simulate", clip, "--out", "result.npz") == 0
+    assert run("inspect", "result.npz", *option) == 2
+    assert "a result has its own bodies and frames" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -47,7 +47,7 @@ class Command:
     file: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE")]
     """Motion file, result file, or folder of a data set."""
     picture: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Also draw the three poses with the skin, as a picture (.png)."""
+    """Also draw the three poses with the skin, as a picture (.png); of a result, key frames."""
     person: tyro.conf.OmitArgPrefixes[BodyOptions] = field(default_factory=BodyOptions)
     motion_file: tyro.conf.OmitArgPrefixes[MotionOptions] = field(default_factory=MotionOptions)
 
@@ -107,12 +107,22 @@ class Command:
     def _result(self) -> None:
         from halfphysics.results.result import Result
 
+        if self.motion_file != MotionOptions() or self.person != BodyOptions():
+            raise InputError(
+                f"{self.file}: a result has its own bodies and frames. The options for bodies and "
+                "motion files are for motions; leave them out"
+            )
         result = Result.load(self.file)
         print(f"{self.file}: a result of halfphysics simulate")
         print(result.summary())
         for person in result.people:
             print(f"{person.name}:")
             _describe(person.motion, person.body)
+        if self.picture is not None:
+            from halfphysics.render.contact_sheet import save_contact_sheet
+
+            save_contact_sheet(result, self.picture)
+            print(f"picture: {self.picture}")
 
     def _draw(self, sequence: Sequence, bodies: list[Body], picture: Path) -> None:
         from halfphysics.baselines import Kinematic

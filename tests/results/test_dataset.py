@@ -145,3 +145,27 @@ def test_xarray_is_named_where_it_is_missing(monkeypatch):
     monkeypatch.setitem(sys.modules, "xarray", None)
     with pytest.raises(hp.errors.MissingDependencyError, match=r"datasets need xarray: pip inst"):
         small.alone().to_xarray()
+
+
+def test_a_free_joint_is_a_position_and_a_quaternion(tmp_path):
+    """A box that falls, of an articulated object, with a lid on a ball joint."""
+    scene = hp.Scene()
+    scene.add_articulated(
+        "thing",
+        '<mujoco><worldbody><body name="base" pos="0.6 0 1"><freejoint name="f"/>'
+        '<geom type="box" size=".1 .1 .1" mass="1"/><body name="lid" pos="0 0 .12">'
+        '<joint name="b" type="ball"/><geom type="box" size=".1 .1 .02" mass=".3"/></body></body>'
+        "</worldbody></mujoco>",
+    )
+    still = hp.Motion(np.tile([0.0, 3.0, 1.0], (6, 1)), np.zeros((6, 55, 3)), 30.0)
+    result = hp.simulate(still, scene)
+    found = result.to_xarray(joints=False)
+    base = result.objects["thing/base"]
+    place, turn = found["articulation_thing.f_position"], found["articulation_thing.f_quaternion"]
+    assert (place.dims, turn.dims) == (("time", "xyz"), ("time", "wxyz"))
+    assert place.attrs == {"units": "m"}
+    assert place[-1, 2] < 0.9
+    np.testing.assert_allclose(place, base.position, atol=1e-12)
+    assert np.array_equal(np.hstack([place, turn]), result.joints["thing/f"])
+    assert found["articulation_thing.b"].dims == ("time", "wxyz")
+    found.to_netcdf(tmp_path / "free.nc", engine="scipy")

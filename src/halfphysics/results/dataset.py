@@ -50,10 +50,7 @@ def to_dataset(result: Result, *, joints: bool, vertices: bool) -> Any:
     data |= _people(result)
     data |= _objects(result.objects, "", "time")
     data |= {f"diagnostic_{n}": (("time",), v, {}) for n, v in result.diagnostics.items()}
-    data |= {
-        f"articulation_{name.replace('/', '.')}": (("time", "wxyz")[: v.ndim], v, {})
-        for name, v in result.joints.items()
-    }
+    data |= _articulations(result.joints)
     naming = Naming(result.names, len(result.people), result.fps)
     tables = {"contact": result.contacts, "inside": result.inside, "breach": result.breaches}
     for dimension, table in tables.items():
@@ -153,6 +150,19 @@ def _objects(tracks: Mapping[str, ObjectTrack], prefix: str, time: str) -> Varia
         f"{prefix}object_position": (("object", time, "xyz"), places, _unit("m")),
         f"{prefix}object_quaternion": (("object", time, "wxyz"), turns, {}),
     }
+
+
+def _articulations(joints: Mapping[str, Array]) -> Variables:
+    """Values of joints of articulated objects; of a free joint its position and quaternion."""
+    found: Variables = {}
+    for name, values in joints.items():
+        key = f"articulation_{name.replace('/', '.')}"
+        if values.ndim == 2 and values.shape[1] == 7:
+            found[f"{key}_position"] = ("time", "xyz"), values[:, :3], _unit("m")
+            found[f"{key}_quaternion"] = ("time", "wxyz"), values[:, 3:], {}
+        else:
+            found[key] = ("time", "wxyz")[: values.ndim], values, {}
+    return found
 
 
 def _rows(table: Table, naming: Naming, dimension: str) -> Variables:

@@ -78,7 +78,8 @@ class Result(InNotebook, ReadOnly):
         substeps: Every committed pose, with ``Settings(record="substeps")``, else None.
         diagnostics: Name -> number of every frame (T,), see `DIAGNOSTICS`; empty where unknown.
         joints: "NAME/JOINT" of an articulated object -> its value of every frame (T,) [rad or m],
-            quaternions (T, 4) of a ball joint. Links are among the `objects`: "NAME/LINK".
+            quaternions (T, 4) of a ball joint, position [m] and quaternion (T, 7) of a free joint.
+            Links are among the `objects`: "NAME/LINK".
         inside: Overlaps of parts with statics or objects, and of objects with statics, with their
             depths; empty if there was none at the start.
         breaches: Overlaps of bodies that were clear before, found by a check of every committed

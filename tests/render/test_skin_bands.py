@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from halfphysics.geometry.shapes import Sphere
+from halfphysics.render.film import FilmOptions
+from halfphysics.render.film.filming import Shoot
 from halfphysics.render.pressure_colors import RAMP
 from halfphysics.render.rasterizer import Surface
 from halfphysics.render.result_meshes import Drawing
@@ -67,3 +71,28 @@ def test_a_film_colours_who_is_pressed():
     assert {s.color for s in drawing.moving(0, pressures=every)} == {
         s.color for s in drawing.moving(0)
     }
+
+
+def test_results_beside_each_other_have_one_scale():
+    """One key stands for all: under a tenth of the pressure, colours are those of a tenth."""
+    low = soft_result()
+    rows = low.soft_contacts
+    high = replace(
+        low,
+        scene=low.scene,
+        people=low.people,
+        soft_contacts=replace(rows, pressure=10.0 * rows.pressure),
+    )
+    frames = np.array([15.0])
+    ends = [SkinPressures.of(result, frames).end for result in (low, high)]
+    assert ends[0] < ends[1]
+    options = FilmOptions(
+        pressure=True, camera=("top",), size=(240, 120), samples=1, text=False, ghost=False
+    )
+
+    def scales(results):
+        shoot = Shoot(results, options, [frames] * len(results), rate=30.0)
+        return [pressures.end for pressures in shoot._pressures]
+
+    assert scales([low, high]) == scales([high, low]) == [ends[1]] * 2
+    assert scales([low]) == ends[:1]

@@ -6,6 +6,7 @@ smooth however coarse the mesh is.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -80,6 +81,12 @@ class SkinPressures:
         values = tuple((1.0 - share) * one[low] + share * one[high] for one in given)
         largest = max(float(one.max(initial=0.0)) for one in values)
         return SkinPressures(values=values, end=1e3 * scale_end(1e-3 * largest))
+
+
+def on_one_scale(pressures: Sequence[SkinPressures]) -> list[SkinPressures]:
+    """The same pressures with one end of the colours, which holds all: pictures are compared."""
+    end = max(one.end for one in pressures)
+    return [replace(one, end=end) for one in pressures]
 
 
 def _piece(surface: Surface, vertices: Array, faces: NDArray[np.int32], band: int) -> Surface:

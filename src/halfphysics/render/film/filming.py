@@ -23,7 +23,7 @@ from halfphysics.render.look import DARK, GHOST, LIGHT, PEOPLE
 from halfphysics.render.pressure_colors import RAMP
 from halfphysics.render.rasterizer import Camera, Look, Surface, render
 from halfphysics.render.result_meshes import Drawing
-from halfphysics.render.skin_bands import SkinPressures
+from halfphysics.render.skin_bands import SkinPressures, on_one_scale
 
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
@@ -90,11 +90,11 @@ class Shoot:
             Drawing(cast(Any, sampled(r, f)), theme) for r, f in zip(results, frames, strict=True)
         ]
         self._count = len(frames[0])
+        self._pressures: list[SkinPressures | None] = [None] * len(results)
+        if options.pressure:
+            given = [SkinPressures.of(r, f) for r, f in zip(results, frames, strict=True)]
+            self._pressures = [*on_one_scale(given)]
         # Views of one result are beside each other.
-        self._pressures: list[SkinPressures | None] = [
-            SkinPressures.of(r, f) if options.pressure else None
-            for r, f in zip(results, frames, strict=True)
-        ]
         self._views = _views(drawings, options, places, rate)
         key = [("reference", GHOST), ("simulated", PEOPLE[0])] if options.ghost else []
         for pressures in self._pressures[:1]:

@@ -10,6 +10,7 @@ import pytest
 import halfphysics as hp
 from halfphysics.cli.options import SceneOptions
 from halfphysics.formats.registry import FORMATS
+from halfphysics.motion.skeleton import PARENTS
 from support.command_line import run
 from support.files.layouts import movement
 from support.files.trumans_files import release
@@ -93,6 +94,34 @@ def test_convert_says_what_is_lost(dataset, capsys):
     assert "Say whose motion it is with --body\n" in capsys.readouterr().err
     assert run("convert", "a.npz", "b.smpl", "--stature", "1.7") == 0
     assert "not in the file" not in capsys.readouterr().out
+
+
+def test_convert_says_what_of_a_result_is_not_in_a_motion_file(dataset, capsys):
+    body = hp.Body.default()
+    arms = np.array(body.rest_joints) - body.rest_joints[np.maximum(PARENTS, 0)]
+    scene = hp.Scene()
+    for k, name in enumerate(("ball", "cup")):
+        scene.add_object(name, hp.Sphere(0.1), mass=1.0, position=(3.0, k, 1.0))
+    away = hp.Motion(np.tile([0.0, 5.0, 0.0], (4, 1)), np.zeros((4, 55, 3)), 30.0)
+    people = [hp.Motion(np.zeros((4, 3)), np.zeros((4, 55, 3)), 30.0), away]
+    hp.simulate(people, scene, body=[hp.Body.default(bones=1.1 * arms), body]).save("two.npz")
+    capsys.readouterr()
+    assert run("convert", "two.npz", "one.npz") == 0
+    said = capsys.readouterr().out.splitlines()
+    assert "not in the file: the other people (person1)" in said
+    assert "not in the file: the objects (ball, cup)" in said
+    assert any(line.startswith("not in the file: the person's own bones") for line in said)
+    assert run("convert", "two.npz", "two.glb") == 0
+    assert "not in the file" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("target", ["out.glb", "out.npz"])
+def test_convert_says_the_frames_and_the_rate_that_it_wrote(dataset, capsys, target):
+    hp.Motion(*movement(), 30.0).save("a.npz")
+    frames = len(hp.Motion.load("a.npz"))
+    capsys.readouterr()
+    assert run("convert", "a.npz", target, "--to-fps", "60") == 0
+    assert f"{2 * frames - 1} frames at 60 fps" in capsys.readouterr().out
 
 
 def test_the_way_out_is_said_in_options(dataset, capsys):

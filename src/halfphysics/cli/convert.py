@@ -80,6 +80,8 @@ class Command:
             with self._rate_said():
                 body = self._body(motion, None)
                 export(what, self.target, body=body, fps=self.to_fps, colliders=self.colliders)
+                if self.to_fps is not None:  # what is said at the end is what was written
+                    motion = motion.resample(self.to_fps)
         elif self._finishes():
             motion = _finished(self.source, self.target)
         else:
@@ -93,7 +95,7 @@ class Command:
                     motion = motion.resample(self.to_fps)
             body = self._body(motion, result, writer.needs_body)
             motion.save(self.target, format=self.format, body=body)
-            for loss in losses(motion, self.target, self.format):
+            for loss in [*losses(motion, self.target, self.format, body), *_left_behind(result)]:
                 print(f"not in the file: {spoken(loss)}")
         print(
             f"{len(motion)} frames at {motion.fps:g} fps, {motion.model} {motion.gender}\n"
@@ -127,6 +129,15 @@ class Command:
         metadata = motion.origin
         retargeted = metadata is not None and bool(metadata.fields.get(DEFAULT_BODY))
         return self.person.load(motion) if said or needed or retargeted else None
+
+
+def _left_behind(result: Result | None) -> list[str]:
+    """What of a result a motion file, which has one person, does not keep."""
+    if result is None:
+        return []
+    others, objects = [person.name for person in result.people[1:]], list(result.objects)
+    found = [f"the other people ({', '.join(others)})"] if others else []
+    return found + ([f"the objects ({', '.join(objects)})"] if objects else [])
 
 
 def _finished(source: Path, target: Path) -> Motion:

@@ -5,14 +5,19 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
+import pytest
 
+import halfphysics as hp
 from halfphysics.render.contact_sheet import contact_sheet_png
 from halfphysics.render.film.sampling import sampled
 from halfphysics.render.outlines import border, edges
+from halfphysics.render.rasterizer import Camera
 from halfphysics.render.result_meshes import Drawing
 from support.results.soft_results import BED, FRAMES, TOP, soft_result
 
 DIP = 1 + FRAMES // 4
+#: A plane's mesh ends 10 m from its origin [m].
+AWAY = 30.0
 
 
 def hard():
@@ -70,3 +75,46 @@ def test_what_dents_is_never_glass():
     drawing = Drawing(soft_result())
     assert drawing.still(["static/bed"])["static/bed"].alpha == 1.0
     assert Drawing(hard()).still(["static/bed"])["static/bed"].alpha < 1.0
+
+
+@pytest.fixture(scope="module")
+def on_a_plane():
+    """A ball on a soft floor 60 cm below the origin, `AWAY` from the point where the plane is."""
+    scene = hp.Scene()
+    soft = hp.Soft(thickness=0.1, stiffness=2e5)
+    scene.add_static("mat", hp.Plane(), position=(0.0, 0.0, -0.6), soft=soft)
+    near = (AWAY - 22.0, 0.0, -0.51)
+    scene.add_object("ball", hp.Sphere(0.1), mass=8.0, position=near)
+    motion = hp.Motion(np.tile([AWAY, 0.0, 1.0], (8, 1)), np.zeros((8, 55, 3)), 30.0)
+    return hp.simulate(motion, scene, settings=hp.Settings(weight=False))
+
+
+def test_the_grid_of_a_soft_floor_lies_on_it(on_a_plane):
+    drawing = Drawing(on_a_plane)
+    middle = drawing.middle
+    camera = Camera(position=np.add(middle, [3.0, 3.0, 2.0]), target=middle)
+    (lines,) = drawing.edges(camera, 480, 7)
+    # Strips face the camera: they have a width of centimetres far away.
+    assert np.abs(lines.vertices[:, 2] + 0.6).max() < 0.05
+    below = Camera(position=np.add(middle, [3.0, 3.0, -1.0 - middle[2] - 0.6]), target=middle)
+    assert drawing.edges(below, 480, 7) == []
+
+
+def test_a_soft_floor_reaches_as_far_as_the_story(on_a_plane):
+    """Around the middle of the story as far as a hard floor, without holes and overlaps."""
+    hard = dataclasses.replace(
+        on_a_plane, scene=on_a_plane.scene, people=on_a_plane.people, soft_contacts=None
+    )
+    surface, flat = (
+        drawing.still()["static/mat"] for drawing in (Drawing(on_a_plane), Drawing(hard))
+    )
+    low, high = flat.vertices.min(axis=0), flat.vertices.max(axis=0)
+    assert (surface.vertices.min(axis=0)[:2] <= low[:2] + 1e-9).all()
+    assert (surface.vertices.max(axis=0)[:2] >= high[:2] - 1e-9).all()
+    size = np.ptp(surface.vertices[:, :2], axis=0)
+    a, b, c = np.moveaxis(surface.vertices[surface.faces], 1, 0)
+    across = np.cross(b - a, c - a)[:, 2]
+    assert (across > 0.0).all()
+    assert 0.5 * across.sum() == pytest.approx(size.prod(), rel=1e-6)
+    dented = Drawing(on_a_plane).dented(7)["static/mat"]
+    assert dented.vertices[:, 2].min() < -0.601

@@ -93,6 +93,12 @@ class Item:
     quaternion: Array
     dent: Dent | None = None
 
+    @property
+    def unpressed(self) -> Array:
+        """The vertices in the world (V, 3) [m] at first, where nothing presses them."""
+        result: Array = rot.rotate(self.quaternion[0], self.surface.vertices) + self.position[0]
+        return result
+
     def at(self, frame: int) -> Surface:
         """The surface in the world at a frame."""
         k = min(frame, len(self.position) - 1)
@@ -131,6 +137,39 @@ def _plane_surface(static: Any, middle: Array, radius: float, theme: Theme) -> S
     )
 
 
+def _beyond(static: Any, square: Array, dent: Dent, surface: Surface) -> Surface | None:
+    """The flat rest of a plane around the mesh that dents, in the static's frame.
+
+    A plane dents within the square of its mesh, about its own origin; the story may be elsewhere.
+    None: the mesh has all of `square` (4, 3), in the world [m], in it.
+    """
+    corners, _ = static.shape.triangles()
+    sides = corners[1] - corners[0], corners[2] - corners[1]
+    axes = np.array([side / np.linalg.norm(side) for side in sides])
+    position = np.asarray(static.position, dtype=np.float64)
+    place = rot.rotate(rot.conjugate(np.asarray(static.quaternion)), square - position)
+    inner, outer = ((points @ axes.T) for points in (dent.layer.surface, place))
+    (left, front), (right, back) = inner.min(axis=0), inner.max(axis=0)
+    low, high = np.minimum(inner.min(0), outer.min(0)), np.maximum(inner.max(0), outer.max(0))
+    around = [
+        (low[0], low[1], left, high[1]),
+        (right, low[1], high[0], high[1]),
+        (left, low[1], right, front),
+        (left, back, right, high[1]),
+    ]
+    wide = [(a, b, c, d) for a, b, c, d in around if c - a > 1e-9 and d - b > 1e-9]
+    if not wide:
+        return None
+    flat = np.array([[(a, b), (c, b), (c, d), (a, d)] for a, b, c, d in wide]).reshape(-1, 2)
+    normal = np.asarray(static.shape.normal, dtype=np.float64)
+    faces = np.array([[0, 1, 2], [0, 2, 3]]) + 4 * np.arange(len(wide))[:, None, None]
+    return replace(
+        surface,
+        vertices=flat @ axes + static.shape.offset * normal,
+        faces=faces.reshape(-1, 3).astype(np.int32),
+    )
+
+
 class Drawing:
     """The meshes of a result, ready to be drawn at any frame.
 
@@ -154,6 +193,7 @@ class Drawing:
         low, high = self._extent()
         self.middle: Array = 0.5 * (low + high)
         self.radius = float(0.5 * max(high[0] - low[0], high[1] - low[1], 1.0))
+        self._beyond: dict[str, Surface] = {}
         self.statics: Mapping[str, Item] = MappingProxyType(self._build_statics())
         self.objects: Mapping[str, Item] = MappingProxyType(self._build_objects())
 
@@ -191,6 +231,9 @@ class Drawing:
                 if dent is None:
                     pose = np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0, 0.0]])
                 else:
+                    rest = _beyond(static, surface.vertices, dent, surface)
+                    if rest is not None:
+                        self._beyond[f"static/{name}"] = rest
                     vertices, faces = _unpressed(dent)
                     surface = replace(surface, vertices=vertices, faces=faces, crease=180.0)
             else:
@@ -339,8 +382,11 @@ class Drawing:
             strips.append(outlines.drawn(lines, color, camera, height))
         for item in self.statics.values():
             surface = item.surface
-            if surface.fade is not None and camera.position[2] > surface.vertices[0, 2]:
-                lines = outlines.squares(self.middle, surface.fade[1], surface.vertices[0, 2])
+            if surface.fade is None:
+                continue
+            ground = float(item.unpressed[0, 2])
+            if camera.position[2] > ground:
+                lines = outlines.squares(self.middle, surface.fade[1], ground)
                 width, line = GRID_WIDTH, self.theme.line
                 strips.append(
                     outlines.drawn(lines, line, camera, height, width=width, fade=surface.fade)
@@ -380,7 +426,16 @@ class Drawing:
         return {name: self._glass(name, faint, frame) for name in soft}
 
     def _glass(self, name: str, faint: Collection[str], frame: int) -> Surface:
-        surface = self.statics[name].at(frame)
+        item = self.statics[name]
+        surface = item.at(frame)
+        if name in self._beyond:
+            rest = self._beyond[name]
+            flat = rot.rotate(item.quaternion[0], rest.vertices) + item.position[0]
+            surface = replace(
+                surface,
+                vertices=np.concatenate([surface.vertices, flat]),
+                faces=np.concatenate([surface.faces, rest.faces + len(surface.vertices)]),
+            )
         # What dents is part of the story, and its dent would not show in glass.
         if name in faint and self.statics[name].dent is None:
             surface = replace(surface, alpha=GLASS_ALPHA, rim=0.12, casts=False)

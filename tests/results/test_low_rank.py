@@ -47,3 +47,20 @@ def test_a_table_of_zeros_needs_none():
     weights, rows, _ = low_rank(np.zeros((4, 9)), 1e-6, 8)
     assert weights.shape == (4, 0)
     assert rows.shape == (0, 9)
+
+
+@pytest.mark.parametrize("frames", [50, 700])
+def test_columns_beside_may_be_given_by_the_frame(frames):
+    """The same numbers, and never all of them at once."""
+    table = waves(frames)
+    beside = np.cumsum(table[:, :5], axis=1)
+    most = []
+
+    def some(at):
+        most.append(len(at))
+        return beside[at]
+
+    whole, by_frame = (low_rank(table, 1e-9, 64, given) for given in (beside, some))
+    for one, other in zip(whole, by_frame, strict=True):
+        assert np.array_equal(one, other)
+    assert max(most) <= 300

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -35,6 +36,35 @@ def test_few_shapes_make_up_all_frames(moving):
         turned /= np.linalg.norm(turned, axis=1, keepdims=True)
         angle = np.degrees(np.arccos(np.clip((turned * exact).sum(axis=1), -1.0, 1.0)))
         assert angle.max() < 10.0
+
+
+def test_memory_does_not_grow_by_the_normals_of_every_frame(moving, monkeypatch):
+    """Of more frames it grows by a fifth of their normals in double precision, at most."""
+    depth = moving.dent.depth
+    monkeypatch.setattr("halfphysics.results.low_rank.MOST_FRAMES", 30)
+
+    def peak(repeats):
+        dent = dataclasses.replace(moving.dent, depth=np.tile(depth, (repeats, 1)))
+        tracemalloc.start()
+        dent_shapes(dataclasses.replace(moving, dent=dent))
+        most = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        return most, len(dent)
+
+    (small, few), (large, many) = peak(8), peak(12)
+    normals = 24 * len(moving.own) * (many - few)
+    assert large - small < 0.2 * normals
+
+
+def test_only_normals_beside_what_gives_turn(moving):
+    turning = np.zeros(len(moving.own), dtype=bool)
+    turning[moving.turning] = True
+    rest = moving.at(0)[1]
+    turned = [np.abs(moving.at(frame)[1] - rest).max(axis=1) > 0.0 for frame in range(FRAMES)]
+    assert not np.any(turned, axis=0)[~turning].any()
+    assert 0 < turning.sum() < len(turning)
+    normals = dent_shapes(moving)[1]
+    assert not normals[:, ~turning].any()
 
 
 def test_sharp_edges_stay_sharp(moving):

@@ -61,6 +61,12 @@ class MovingSurface:
         result: Array = self.dent.layer.way[self.own]
         return result
 
+    @property
+    def turning(self) -> Ints:
+        """The vertices whose normals ever change: those of faces of which a vertex gives."""
+        gives = np.isin(self.own, self.dent.vertices)
+        return np.unique(self.faces[gives[self.faces].any(axis=1)])
+
 
 def moving_surface(dent: Dent) -> MovingSurface:
     """The surface of a dent as formats with one normal for each vertex need it."""
@@ -78,14 +84,18 @@ def dent_shapes(moving: MovingSurface) -> tuple[Array, Array, Array]:
         Offsets of vertices (k, W, 3) [m] and of normals (k, W, 3), for weights of 1, and the
         weights (T, k), of which the largest of each shape is 1 or -1.
     """
-    dent = moving.dent
-    rest = vertex_normals(moving.vertices, moving.faces)
-    turned = np.stack([moving.at(frame)[1] - rest for frame in range(len(dent))])
+    dent, turning = moving.dent, moving.turning
+    rest = vertex_normals(moving.vertices, moving.faces)[turning]
+
+    def turned(frames: NDArray[np.integer]) -> Array:
+        change = np.stack([moving.at(frame)[1][turning] - rest for frame in frames.tolist()])
+        return _NORMAL * change.reshape(len(frames), -1)
+
     most = min(MOST_SHAPES, max(MOST_NUMBERS // (6 * len(moving.own)), 1))
-    weights, depth, normal = low_rank(
-        dent.depth.astype(np.float64), TOLERANCE, most, _NORMAL * turned.reshape(len(dent), -1)
-    )
+    weights, depth, normal = low_rank(dent.depth, TOLERANCE, most, turned)
     whole = np.zeros((len(depth), len(dent.layer.surface)))
     whole[:, dent.vertices] = depth
     offsets = whole[:, moving.own, None] * moving.way
-    return offsets, normal.reshape(len(depth), -1, 3) / _NORMAL, weights
+    normals = np.zeros((len(depth), len(moving.own), 3))
+    normals[:, turning] = normal.reshape(len(depth), -1, 3) / _NORMAL
+    return offsets, normals, weights

@@ -102,3 +102,13 @@ def test_spread():
     assert spread(10, 3) == [0, 4, 9]  # 4.5 rounds to even
     assert spread(2, 5) == [0, 1]
     assert spread(1, 4) == [0]
+
+
+@pytest.mark.parametrize("size", [(16, 8192), (32, 1600), (8192, 16)])
+def test_pictures_of_any_ratio_have_a_view(size):
+    """Views are compared in small pictures, which the ratio does not make large."""
+    drawing = walled(((8, 0.1, 1.6), (0, -1.2, 0.0)))
+    assert np.linalg.norm(choose_direction(drawing, [0], size)) == pytest.approx(1.0)
+    points = subject(drawing, 0, drawing.story(0))
+    camera = Camera.framing(points, (0, -1, 0), size=size, fov=FOV)
+    assert glass(drawing.surfaces(0), camera, size) <= {"static/wall0"}

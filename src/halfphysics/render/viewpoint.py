@@ -22,6 +22,8 @@ _ELEVATIONS = (16.0, 28.0)
 _THREE_QUARTER = 50.0
 # Small pictures are enough to count hidden pixels.
 _PROBE = (96, 72)
+# They are no taller than this many times that width: more pixels tell no more.
+_TALLEST = 4
 # Number of frames that are evaluated to choose one direction for all.
 _PROBE_FRAMES = 5
 #: An object further from every person than this [m] does not pull the camera back.
@@ -104,7 +106,7 @@ def choose_direction(drawing: Drawing, frames: Sequence[int], size: tuple[int, i
     scenes = [drawing.surfaces(f) for f in picked]
     points = [subject(drawing, f, s) for f, s in _stories(picked, scenes)]
     ways, apart = facing(drawing, picked), _apart(drawing, picked)
-    probe = (_PROBE[0], max(1, round(_PROBE[0] * size[1] / size[0])))
+    probe = _probe(size, _PROBE[0])
     best, best_score = np.array([0.0, -1.0, 0.4]), -np.inf
     for elevation in np.radians(_ELEVATIONS):
         for azimuth in np.arange(_AZIMUTHS) * (2 * np.pi / _AZIMUTHS):
@@ -124,6 +126,12 @@ def choose_direction(drawing: Drawing, frames: Sequence[int], size: tuple[int, i
                 best, best_score = towards, score
     result: Array = best / np.linalg.norm(best)
     return result
+
+
+def _probe(size: tuple[int, int], width: int) -> tuple[int, int]:
+    """A small picture of the ratio of one of `size`, `width` wide, or less where that is tall."""
+    width = min(width, max(1, round(_TALLEST * width * size[0] / size[1])))
+    return width, max(1, round(width * size[1] / size[0]))
 
 
 def _stories(
@@ -180,7 +188,7 @@ def cameras(
 
 def glass(surfaces: Mapping[str, Surface], camera: Camera, size: tuple[int, int]) -> set[str]:
     """Names of the static items that hide the story and should be drawn as glass."""
-    probe = (2 * _PROBE[0], max(1, round(2 * _PROBE[0] * size[1] / size[0])))
+    probe = _probe(size, 2 * _PROBE[0])
     faint: set[str] = set()
     scene = dict(surfaces)
     # Items behind the first wall hide the story as well: search again without those found.

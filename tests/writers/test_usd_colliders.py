@@ -105,3 +105,26 @@ def test_other_formats_have_none(tmp_path):
     with pytest.raises(InputError, match="USD only"):
         hp.export(takes.result(1), tmp_path / "a.glb", colliders=True)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_objects_named_as_the_colliders_have_paths_of_their_own(tmp_path):
+    from pxr import Usd, UsdPhysics
+
+    scene = hp.Scene()
+    for k, name in enumerate(("PhysicsScene", "personColliders")):
+        scene.add_object(name, hp.Sphere(0.1), mass=1.0, position=(1.0 + k, 0.0, 1.0))
+    still = hp.Motion(np.zeros((3, 3)), np.zeros((3, 55, 3)), 25.0)
+    path = tmp_path / "named.usd"
+    hp.export(hp.simulate(still, scene), path, colliders=True)
+    stage = Usd.Stage.Open(str(path))
+    assert UsdPhysics.Scene(stage.GetPrimAtPath("/World/PhysicsScene"))
+    assert not stage.GetPrimAtPath("/World/PhysicsScene/Mesh")
+    for name in ("PhysicsScene", "personColliders"):
+        prim = stage.GetPrimAtPath(f"/World/{name}_")
+        assert prim.GetTypeName() == "Xform"
+        assert prim.GetDisplayName() == name
+        assert stage.GetPrimAtPath(f"/World/{name}_/Mesh").HasAPI(UsdPhysics.CollisionAPI)
+    # Without colliders nothing else has these names.
+    hp.export(hp.simulate(still, scene), tmp_path / "plain.usd")
+    stage = Usd.Stage.Open(str(tmp_path / "plain.usd"))
+    assert stage.GetPrimAtPath("/World/PhysicsScene/Mesh")

@@ -50,11 +50,13 @@ def write(take: Take, path: Path, *, colliders: bool = False) -> None:
     """
     pxr = _pxr()
     builder = _Builder(pxr, take)
-    bodies = Colliders(pxr, builder.stage, take) if colliders else None
+    bodies = None
+    if colliders:
+        bodies = Colliders(pxr, builder.stage, take, builder.new_path("PhysicsScene"))
     for actor, color in actors_coloured(take.actors):
         where = builder.add_actor(actor, color)
         if bodies is not None:
-            bodies.add_actor(actor, where)
+            bodies.add_actor(actor, builder.new_path(f"{where.rsplit('/', 1)[1]}Colliders"))
     for prop, color in props_coloured(take.props):
         where = builder.add_prop(prop, color)
         if bodies is not None:
@@ -114,7 +116,7 @@ class _Builder:
     def add_actor(self, actor: Actor, color: Color) -> str:
         """Add a person: a skeleton, its skin and their animation. Returns its path."""
         skel, body = self.pxr.UsdSkel, actor.body
-        path = self._new(actor.name)
+        path = self.new_path(actor.name)
         root = skel.Root.Define(self.stage, path)
         root.GetPrim().SetDisplayName(actor.name)
         root.CreateExtentAttr(self._points(_reach(actor)))
@@ -192,7 +194,7 @@ class _Builder:
 
     def add_prop(self, prop: Prop, color: Color) -> str:
         """Add a prop: its mesh, with sharp edges, and its animation. Returns its path."""
-        gf, path = self.pxr.Gf, self._new(prop.name)
+        gf, path = self.pxr.Gf, self.new_path(prop.name)
         xform = self.pxr.UsdGeom.Xform.Define(self.stage, path)
         xform.GetPrim().SetDisplayName(prop.name)
         double = self.pxr.UsdGeom.XformOp.PrecisionDouble
@@ -230,8 +232,8 @@ class _Builder:
 
     # -- shared parts --------------------------------------------------------------------------
 
-    def _new(self, name: str) -> str:
-        """A new, unused prim path for `name`."""
+    def new_path(self, name: str) -> str:
+        """A new, unused prim path for `name`; nothing else gets it."""
         path = f"{_ROOT}/{self.pxr.Tf.MakeValidIdentifier(name)}"
         while path in self._taken:
             path += "_"

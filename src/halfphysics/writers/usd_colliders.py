@@ -24,26 +24,25 @@ class Colliders:
 
     Args:
         pxr: The modules of usd-core (`usd`).
-        stage: The stage; its default prim is above everything.
+        stage: The stage.
         take: Whose gravity it is.
+        path: Of the prim that says the gravity.
     """
 
-    def __init__(self, pxr: Any, stage: Any, take: Take) -> None:
+    def __init__(self, pxr: Any, stage: Any, take: Take, path: str) -> None:
         from pxr import UsdPhysics
 
         self._pxr, self._stage, self._physics = pxr, stage, UsdPhysics
-        root = stage.GetDefaultPrim().GetPath()
-        scene = UsdPhysics.Scene.Define(stage, f"{root}/PhysicsScene")
+        scene = UsdPhysics.Scene.Define(stage, path)
         gravity = np.asarray(take.scene.gravity, dtype=np.float64)
         size = float(np.linalg.norm(gravity))
         down = gravity / size if size > 0.0 else np.array([0.0, 0.0, -1.0])
         scene.CreateGravityDirectionAttr(pxr.Gf.Vec3f(*down.tolist()))
         scene.CreateGravityMagnitudeAttr(size)
 
-    def add_actor(self, actor: Actor, path: str) -> None:
-        """The hulls of a person's rigid parts, beside its SkelRoot at `path`."""
+    def add_actor(self, actor: Actor, above: str) -> None:
+        """The hulls of a person's rigid parts, in an Xform at the path `above`."""
         geom = self._pxr.UsdGeom
-        above = f"{path}Colliders"
         geom.Xform.Define(self._stage, above)
         positions, quaternions = actor.body.joint_frames(actor.motion)
         turns = rot.continuous(quaternions)

@@ -94,6 +94,17 @@ def test_contacts_in_newtons(quiet):
     assert not any("touched nothing" in line for line in lines)
 
 
+def test_a_contact_with_oneself_counts_once(quiet):
+    """4 N s in a frame of 1/30 s between two parts, each of which has a row: 120 N."""
+    contacts = touching([10, 10], [WRIST, FOOT], [4, 4], [[0, 0, 4], [0, 0, -4]])
+    contacts = dataclasses.replace(contacts, other_part=np.array([FOOT, WRIST]))
+    lines = dataclasses.replace(quiet, contacts=contacts).summary().splitlines()
+    assert (
+        "  touched person in frame 10 (0.33 s) with left_wrist, left_foot; 120 N mean, 120 N peak "
+        "in frame 10"
+    ) in [line.replace("left_foot, left_wrist", "left_wrist, left_foot") for line in lines]
+
+
 def test_how_exactly_it_was_followed(quiet, body):
     contacts = touching([20], [WRIST], [1], [[0.0, 0.0, 1.0]])
     shift = np.zeros((FRAMES, 3))

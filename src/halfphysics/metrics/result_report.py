@@ -121,7 +121,10 @@ def _touches(result: Result, index: int) -> list[str]:
         return ["touched nothing"]
     # By item and frame [N].
     forces = np.zeros((len(result.names), len(result)))
-    np.add.at(forces, (contacts.other, contacts.frame), contacts.strength * result.fps)
+    # A contact with oneself has a row for each of its two parts.
+    own = contacts.other == len(result.names) - len(result.people) + index
+    share = np.where(own, 0.5, 1.0)
+    np.add.at(forces, (contacts.other, contacts.frame), share * contacts.strength * result.fps)
     touched = np.flatnonzero(forces.any(axis=1))
     touched = touched[np.argsort(-forces[touched].max(axis=1), kind="stable")]
     lines = []

@@ -51,7 +51,7 @@ class Solid:
             return np.zeros(len(points), dtype=bool)
         local = (points - self.position) @ self.turn
         low, high = self.shape.query.bounds
-        found = ((local >= low) & (local <= high)).all(axis=1)
+        found: NDArray[np.bool_] = ((local >= low) & (local <= high)).all(axis=1)
         # The faces may look inward.
         found[found] = np.abs(self.shape.query.winding(local[found])) > 0.5
         return found

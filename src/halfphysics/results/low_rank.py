@@ -19,7 +19,10 @@ Rows = Callable[[NDArray[np.integer]], Array]
 
 
 def low_rank(
-    table: Array, tolerance: float, most: int, beside: Array | Rows | None = None
+    table: Array | NDArray[np.float32],
+    tolerance: float,
+    most: int,
+    beside: Array | Rows | None = None,
 ) -> tuple[Array, Array, Array]:
     """Weights and rows with weights @ rows = table, to a tolerance.
 
@@ -34,7 +37,6 @@ def low_rank(
         Weights (T, k), the largest of each column being 1 in size; rows (k, n); rows of `beside`
         (k, w).
     """
-    table = np.asarray(table)
     frames, n = table.shape
     some = np.unique(np.linspace(0, frames - 1, min(frames, MOST_FRAMES)).astype(int))
 
@@ -64,5 +66,5 @@ def low_rank(
     return weights / scale, rows[:, :n], rows[:, n:]
 
 
-def _largest(row: Array) -> float:
+def _largest(row: NDArray[np.floating]) -> float:
     return float(np.abs(row).max(initial=0.0))

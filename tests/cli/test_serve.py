@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import re
 import signal
@@ -12,6 +13,7 @@ import time
 import pytest
 
 import halfphysics as hp
+from halfphysics import scenarios
 from halfphysics.cli import main
 
 
@@ -77,16 +79,66 @@ def test_what_cannot_be_finished_is_said_to_be_unfinished(tmp_path, capsys, monk
     assert not path.exists()
 
 
-def test_options_make_the_scene_and_the_people(monkeypatch, capsys):
+@pytest.fixture
+def asked(monkeypatch):
+    """What the command asks `serve` for; nothing is served."""
     from halfphysics.live import serve as module
 
-    asked = {}
+    found = {}
 
     def serve(scene, **options):
-        asked.update(scene=scene, **options)
+        found.update(scene=scene, **options)
         raise hp.errors.InputError("enough")
 
     monkeypatch.setattr(module, "serve", serve)
+    return found
+
+
+@pytest.mark.parametrize("name", ["meet", "shake_hands"])
+def test_people_of_a_scenario_have_their_own_bodies(name, asked):
+    story = scenarios.load(name)
+    assert main(["serve", name]) == 2
+    assert [body.stature for body in asked["body"]] == [body.stature for body in story.bodies]
+    for body, pose in zip(asked["body"], asked["start"], strict=True):
+        assert body.vertices(pose)[..., 2].min() > -0.01  # [m]: nobody starts under the floor
+
+
+def test_more_people_than_a_scenario_has_get_the_body_of_the_options(asked):
+    own = [body.stature for body in scenarios.load("meet").bodies]
+    assert main(["serve", "meet", "--people", "3"]) == 2
+    assert [body.stature for body in asked["body"]] == [*own, hp.Body.default().stature]
+    assert main(["serve", "meet", "--people", "1"]) == 2
+    assert [body.stature for body in asked["body"]] == own[:1]
+    assert main(["serve", "meet", "--people", "3", "--stature", "1.5"]) == 2
+    assert [body.stature for body in asked["body"]] == pytest.approx([1.5] * 3)
+    assert main(["serve", "meet", "--mass", "60"]) == 2
+    assert [body.mass for body in asked["body"]] == pytest.approx([60.0] * 2)
+    assert [body.stature for body in asked["body"]] == own
+
+
+def test_settings_that_are_not_given_are_the_scenarios(asked):
+    own = scenarios.load("fly_with_ball").settings
+    assert own != hp.Settings()
+    assert main(["serve", "fly_with_ball"]) == 2
+    assert asked["settings"] == own
+    assert main(["serve", "fly_with_ball", "--stiffness", "0.5"]) == 2
+    assert asked["settings"] == dataclasses.replace(own, stiffness=0.5)
+    assert main(["serve", "kick_ball", "--stiffness", "0.5"]) == 2
+    assert asked["settings"] == hp.Settings(stiffness=0.5)
+
+
+def test_the_scene_is_not_written_over(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "room.json"
+    hp.Scene().save(path)
+    before = path.read_bytes()
+    for words in (["room.json"], ["--scene", "room.json"]):
+        assert main(["serve", *words, "--port", "0", "--for", "0.1", "--out", "room.json"]) == 2
+        assert "room.json: this is the input" in capsys.readouterr().err
+        assert path.read_bytes() == before
+
+
+def test_options_make_the_scene_and_the_people(asked):
     words = ["--object", "b=sphere:0.1,mass=1", "--people", "3", "--stature", "1.6", "--fps", "60"]
     assert (
         main(["serve", *words, "--listen", "vmc:1", "--listen", "vmc:2", "--origin", "null"]) == 2

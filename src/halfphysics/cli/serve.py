@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, field
+from collections.abc import Sequence as Several
+from dataclasses import dataclass, field, make_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,6 +12,7 @@ import tyro
 
 from halfphysics.base.suggestions import did_you_mean
 from halfphysics.cli.options import BodyOptions, SceneOptions, check_output
+from halfphysics.cli.parsing import Exit, parse
 from halfphysics.errors import InputError
 from halfphysics.settings import Settings
 
@@ -34,6 +36,22 @@ _EVERY, _LOOK = 10.0, 0.1
 Repeated = Annotated[tuple[str, ...], tyro.conf.UseAppendAction]
 
 
+def read(prog: str, arguments: Several[str]) -> Command | Exit:
+    """The command that the arguments describe; settings not given are the scenario's."""
+    from halfphysics import scenarios
+
+    command = parse(Command, prog, EXAMPLES, arguments)
+    if isinstance(command, Exit) or command.where not in scenarios.names():
+        return command
+    own = scenarios.load(command.where).settings
+    if own == Settings():
+        return command
+    kind = tyro.conf.OmitArgPrefixes[Settings]
+    settings = ("settings", kind, field(default_factory=lambda: own))
+    like = make_dataclass("Command", [settings], bases=(Command,), frozen=True, kw_only=True)
+    return parse(like, prog, EXAMPLES, arguments)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Command:
     """Serve a scene in real time: clients send poses and get corrected poses, objects and contacts.
@@ -45,7 +63,7 @@ class Command:
         None
     )
     """Scene file, or a built-in scenario (halfphysics scenario --list): its scene, its people
-    where its motion begins."""
+    and their bodies where its motion begins."""
     people: int | None = None
     """Number of people; those of the scenario, or 1."""
     fps: float = 90.0
@@ -80,19 +98,14 @@ class Command:
         if self.for_ is not None and not self.for_ > 0.0:
             raise InputError(f"--for: found {self.for_:g}, expected a time above 0 [s]")
         if self.out is not None:
-            check_output(self.out, self.scene.scene, self.person.body)
+            check_output(self.out, self._file(), self.scene.scene, self.person.body)
         steady_memory()
         scene, sequence = self._place()
-        start = None if sequence is None else [motion[0] for motion in sequence.motions]
-        count = self.people or (1 if start is None else len(start))
-        settings = self.settings
-        if sequence is not None and settings == Settings():
-            settings = sequence.settings
         live = serve(
             scene,
-            body=[self._body()] * count,
-            start=start,
-            settings=settings,
+            body=self._bodies(sequence),
+            start=None if sequence is None else [motion[0] for motion in sequence.motions],
+            settings=self.settings,
             fps=self.fps,
             host=self.host,
             port=self.port,
@@ -112,6 +125,12 @@ class Command:
         finally:  # also after Ctrl-C
             if live.recorder is not None:
                 print(_outcome(live.recorder), flush=True)
+
+    def _file(self) -> Path | None:
+        """The scene file that is served; None: a scenario, or what the options describe."""
+        from halfphysics import scenarios
+
+        return None if self.where in (None, *scenarios.names()) else Path(str(self.where))
 
     def _place(self) -> tuple[Scene, Sequence | None]:
         """The scene, and the scenario that it is of."""
@@ -135,7 +154,16 @@ class Command:
             )
         return replace(self.scene, scene=path).load(), None
 
+    def _bodies(self, sequence: Sequence | None) -> list[Body]:
+        """Everybody's body: of those of a scenario their own, if no other is asked for."""
+        own = () if sequence is None else zip(sequence.bodies, sequence.motions, strict=True)
+        bodies = [self.person.instead_of(body, motion) for body, motion in own]
+        count = self.people or len(bodies) or 1
+        more = count - len(bodies)
+        return [*bodies[:count], *([self._body()] * more if more > 0 else ())]
+
     def _body(self) -> Body:
+        """The body of somebody without a motion."""
         from halfphysics.body.body import Body
 
         if self.person.body is None:

@@ -58,6 +58,7 @@ def test_page_and_result(clip, tmp_path):
         (["gone.npz"], "gone.npz"),
         (["C", "--out", "no/fixed.npz"], "does not exist"),
         (["C", "--page", "page.png"], "expected a name that ends in .html"),
+        (["C", "--no-ground"], "--no-ground: found no scene"),
         (["C", "--smooth", "0"], "smooth: expected a number above 0 [Hz]"),
         (["C", "--out", "C"], "input"),
         (["C", "--out", "fixed.txt"], "found suffix '.txt'"),

@@ -18,6 +18,7 @@ from halfphysics.cli.options import (
     progress,
 )
 from halfphysics.errors import InputError
+from halfphysics.formats.loading import GROUND
 
 if TYPE_CHECKING:
     from halfphysics.results.result import PersonResult
@@ -55,11 +56,18 @@ class Command:
         from halfphysics.motion.motion import Motion
 
         if self.json is not None:
-            check_output(self.json, self.file, self.reference)
-        scene = self.scene.load() if self.scene.given else None
+            model = self.motion_file.model
+            inputs = (self.scene.scene, self.person.body, None if model is None else Path(model))
+            check_output(self.json, self.file, self.reference, *inputs)
         if is_result(self.file):
-            self._result(scene)
+            if self.motion_file != MotionOptions():
+                raise InputError(
+                    f"{self.file}: a result has its own frames. The options for motion files are "
+                    "for motions; leave them out"
+                )
+            self._result()
             return
+        scene = self.scene.load() if self.scene.given else None
         if self.json is not None:
             raise InputError(
                 f"--json: {self.file} is a motion alone; expected a result of simulate"
@@ -88,7 +96,7 @@ class Command:
             reference = dataclasses.replace(reference, holds=person.reference.holds)
         return dataclasses.replace(person, reference=reference)
 
-    def _result(self, scene: object) -> None:
+    def _result(self) -> None:
         import dataclasses
 
         from halfphysics.cli import measures
@@ -97,7 +105,12 @@ class Command:
 
         # A model file that has moved is given anew, for the result cannot be read without.
         body = self.person.load(Motion.load(self.file)) if self.person.given else None
-        result = Result.load(self.file, scene=scene, body=body)  # type: ignore[arg-type]
+        result = Result.load(self.file, body=body)
+        if self.scene.given:
+            # A floor is added where the simulation had it.
+            ground = self.scene.ground and GROUND in result.names
+            scene = dataclasses.replace(self.scene, ground=ground).load()
+            result = Result.load(self.file, scene=scene, body=body)
         people = list(result.people)
         if self.person.given or self.person.mass is not None:
             bodies = [self.person.instead_of(p.body, p.motion) for p in people]

@@ -78,6 +78,11 @@ class Command:
         self._check_apart([self.out])
         if self.page is not None and self.page.suffix.lower() != ".html":
             raise InputError(f"--page: found {self.page}, expected a name that ends in .html")
+        if not self.scene.ground and not self.scene.given:
+            raise InputError(
+                "--no-ground: found no scene, and without one the person stands on a floor at "
+                "z = 0. Add --scene (or --static), or leave out --no-ground"
+            )
         sequence = self._sequence()
         if self.out is not None:
             for motion in sequence.motions:

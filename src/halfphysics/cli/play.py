@@ -61,18 +61,24 @@ class Command:
         if any(map(is_address, self.what)):
             if len(self.what) > 1:
                 raise InputError("play: found an address and more, expected one live session alone")
+            self._no_options("a live session has a scene and bodies of its own")
             view_live(self.what[0], hands=True, host=self.host, port=self.port)
             return
         places, files = self._sorted()
-        if self.scene.given and not files:
-            raise InputError(
-                "play: a scenario has a scene of its own. Give a motion file with --scene, "
-                "--static or --object, or leave them out"
-            )
+        if not files:
+            self._no_options("a scenario has a scene of its own, a body and a motion")
         catalog = Catalog(files)
         first = next(iter(files), None)
         choice = Choice(places[0], first or OWN) if places else Choice(first or FIRST)
         play(catalog, choice, host=self.host, port=self.port)
+
+    def _no_options(self, why: str) -> None:
+        given = self.scene != SceneOptions() or self.person != BodyOptions()
+        if given or self.motion_file != MotionOptions():
+            raise InputError(
+                f"play: {why}. The options for scenes, bodies and motion files are for motions: "
+                "give a motion file, or leave them out"
+            )
 
     def _sorted(self) -> tuple[list[str], dict[str, Callable[[], Sequence]]]:
         """The scenarios and motion files of the arguments."""

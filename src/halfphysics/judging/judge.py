@@ -176,7 +176,9 @@ def _of_result(task: Task, reading: Reading, scene: Scene | None) -> list[Judged
     from halfphysics.metrics.scene_solids import known_tracks
     from halfphysics.results.result import Result
 
-    result = Result.load(task.path, scene=scene)
+    result = Result.load(task.path)
+    # Another scene may have other names: only poses are judged in it.
+    scene = result.scene if scene is None else scene
     count, found = len(result.people), []
     for index, person in enumerate(result.people):
         truth = None
@@ -192,7 +194,7 @@ def _of_result(task: Task, reading: Reading, scene: Scene | None) -> list[Judged
         verdict = judge(
             person.motion,
             reading.body(person.body, person.motion),
-            result.scene,
+            scene,
             None if truth is None else truth.motion,
             objects=known_tracks(result.scene, result.objects),
             truth_objects=None if truth is None else truth.objects,

@@ -371,12 +371,13 @@ class Result(InNotebook, ReadOnly):
 
         Args:
             path: The file.
-            scene: Replaces the scene that the file names (its meshes may have moved).
+            scene: Replaces the scene that the file names (its meshes may have moved): the same
+                names, or some of them.
             body: Replaces the bodies likewise: one, or a sequence of one per person.
 
         Raises:
             FileError: Missing, damaged, no result file, or of a newer version.
-            InputError: Another number of bodies than people.
+            InputError: Another number of bodies than people, or a scene with other names.
         """
         from halfphysics.formats.results.result_file import load_result
 

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from halfphysics.base import rotations as rot
 from halfphysics.body.body import Body
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
-from halfphysics.geometry.shapes import Plane
+from halfphysics.geometry.shapes import Plane, Sphere
 from halfphysics.motion.motion import Motion
 from halfphysics.results.contacts import Contacts
 from halfphysics.results.result import ObjectTrack, PersonResult, Result
@@ -198,6 +198,21 @@ def test_a_mesh_that_has_gone_is_left_out_with_a_warning(tmp_path, body):
     result.save(tmp_path / "again.npz")  # the reference is kept
     assert (tmp_path / "again.npz").read_bytes() == (tmp_path / "r.npz").read_bytes()
     assert list(Result.load(tmp_path / "r.npz", scene=scene).scene.statics) == ["floor", "rock"]
+
+
+def test_another_scene_has_names_of_the_result(tmp_path, body):
+    scene = Scene()
+    scene.add_static("floor", Plane())
+    make_result(body, scene=scene).save(tmp_path / "r.npz")
+    assert not Result.load(tmp_path / "r.npz", scene=Scene()).scene.statics
+    other = Scene()
+    other.add_static("rock", Plane())
+    with pytest.raises(InputError, match=r"^scene: found 'rock', .*static: 'floor'"):
+        Result.load(tmp_path / "r.npz", scene=other)
+    thrown = Scene()
+    thrown.add_object("floor", Sphere(0.1), mass=1.0)  # static in the result
+    with pytest.raises(InputError, match=r"found 'floor', .*objects: none"):
+        Result.load(tmp_path / "r.npz", scene=thrown)
 
 
 def test_a_mesh_that_changed_is_said(tmp_path, body):

@@ -101,6 +101,7 @@ def load_result(
     if is_unfinished(path):
         result = load_unfinished(path)
         clock.done("loaded the unfinished %s: %r", path, result)
+        _check_names(scene, result, path)
         return _replaced(result, scene, body)
     if head != b"PK":
         raise FileError(f"{path}: not an .npz archive, expected a result file (Result.save)")
@@ -125,10 +126,11 @@ def load_result(
     bodies = None if body is None else _given(body, len(people))
     try:
         result = _read(npz, people, scene, bodies)
-        clock.done("loaded %s: %r", path, result)
-        return result
     except InputError as error:
         raise FileError(f"{path}: {error}") from None
+    clock.done("loaded %s: %r", path, result)
+    _check_names(scene, result, path)
+    return result
 
 
 def _replaced(result: Result, scene: Scene | None, body: Any) -> Result:
@@ -146,6 +148,27 @@ def _check_scene(scene: Any) -> None:
 
     if not isinstance(scene, Scene):
         raise InputError(f"scene: found {shown(scene)}, expected a halfphysics.Scene")
+
+
+def _check_names(scene: Scene | None, result: Result, path: Path) -> None:
+    """Refuse a scene with something that a result does not have; it may have less."""
+    if scene is None:
+        return
+    moving = set(result.objects)
+    fixed = set(result.names[: len(result.names) - len(moving) - len(result.people)])
+    links = [name for item in scene.articulated.values() for name in item.link_names]
+    others = [name for name in scene.statics if name not in fixed]
+    others += [name for name in (*scene.objects, *links) if name not in moving]
+    if others:
+        has = f"static: {_listed(sorted(fixed))}; objects: {_listed(sorted(moving))}"
+        raise InputError(
+            f"scene: found {_listed(others)}, which {path} does not have; expected the scene that "
+            f"was simulated, with its names ({has})"
+        )
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(map(repr, names)) or "none"
 
 
 def _given(body: Any, people: int) -> list[Body]:

@@ -71,6 +71,9 @@ def test_paths() -> None:
 
 def test_frame_rates() -> None:
     assert frame_rate(np.float32(30)) == 30.0
+    assert frame_rate(60.0, most=60.0) == 60.0
+    with pytest.raises(InputError, match=r"^fps: found 61, expected at most 60 frames per second"):
+        frame_rate(61.0, most=60.0)
     for value in (None, "fast", 0, -1.0, np.inf, np.nan, 10**400):
         with pytest.raises(InputError, match=r"fps: found .*positive number, such as 60\.0"):
             frame_rate(value, "60.0")

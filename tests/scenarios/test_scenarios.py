@@ -25,6 +25,16 @@ BEYOND = {("close_laptop", "right_wrist"): 34.0, ("close_laptop", "right_elbow")
 #: Frames not in a jump in which over 5 % of the weight may be unsupported [%]: as the limit of
 #: `support.ground.limits`. Only `climb_onto_bed` has more than 1: a leg is thrown onto the bed.
 UNSUPPORTED = 5.0
+#: Scenario -> the option that says how far a body goes into something, its least and its most.
+BOUNDS = {
+    "climb_onto_bed": ("sink", 0.04, 0.12),
+    "crawl_under_table": ("hunch", 0.0, 0.075),
+    "fly_with_ball": ("squeeze", 0.0, 0.08),
+    "sit_on_bed": ("sink", 0.0, 0.1),
+    "sit_on_sofa": ("sink", 0.0, 0.15),
+    "step_back_onto_cabinet": ("sink", 0.0, 0.15),
+    "stretch_on_bed": ("sink", 0.0, 0.12),
+}
 #: Who flies on purpose, without weight.
 IN_THE_AIR = {"fly_with_ball"}
 
@@ -66,7 +76,20 @@ def test_what_a_person_is_asked_is_humanly_possible(name):
     """References walk, sit and reach into things, but joints turn as far as joints do, and nobody
     leans on the air.
     """
-    sequence = scenarios.load(name)
+    check_possible(name, scenarios.load(name))
+
+
+@pytest.mark.parametrize("name", BOUNDS)
+def test_what_an_option_allows_is_humanly_possible(name):
+    option, least, most = BOUNDS[name]
+    for value in (least, most):
+        check_possible(name, scenarios.load(name, **{option: value}))
+    for value in (least - 1e-6, most + 1e-6, np.nan, "deep"):
+        with pytest.raises(InputError, match=f"^{option}: expected a number from {least:g} to"):
+            scenarios.load(name, **{option: value})
+
+
+def check_possible(name, sequence):
     for motion, body in zip(sequence.motions, sequence.bodies, strict=True):
         ranges = JointRanges.of(body)
         angles = ranges.angles(motion.rotations)
@@ -143,3 +166,26 @@ def test_unknown_names_and_options_are_named():
         scenarios.load("dorway")
     with pytest.raises(InputError, match="unknown option 'weight', expected one of fps, mass"):
         scenarios.load("doorway", weight=3)
+
+
+@pytest.mark.parametrize("name", scenarios.names())
+@pytest.mark.parametrize("fps", [np.nan, np.inf, 0.0, -1.0, 1e9, "fast"])
+def test_impossible_rates_are_refused_before_anything_is_built(name, fps):
+    with pytest.raises(InputError, match=r"^fps: found .*, expected (a positive|at most 10000)"):
+        scenarios.load(name, fps=fps)
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "said"),
+    [
+        ("jump_on_bed", {"jumps": 1.5}, "jumps: found 1.5, expected a whole number from 1 to 20"),
+        ("jump_on_bed", {"jumps": True}, "jumps: found True"),
+        ("jump_on_bed", {"jumps": 21}, "jumps: found 21"),
+        ("shake_hands", {"shakes": 2.5}, "shakes: found 2.5, expected a whole number from 0 to 50"),
+        ("shake_hands", {"shakes": -1}, "shakes: found -1"),
+        ("grasp_glass", {"hold": 1e9}, r"hold: expected a number from 0 to 60 \[s\]"),
+    ],
+)
+def test_impossible_counts_and_times_are_refused(name, options, said):
+    with pytest.raises(InputError, match=f"^{said}"):
+        scenarios.load(name, **options)

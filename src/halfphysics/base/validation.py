@@ -124,8 +124,8 @@ def quaternion(value: object, what: str) -> NDArray[np.float64]:
     return unit
 
 
-def frame_rate(value: object, example: str = "30.0") -> float:
-    """`value` as frames per second."""
+def frame_rate(value: object, example: str = "30.0", *, most: float | None = None) -> float:
+    """`value` as frames per second, `most` at most."""
     try:
         fps = float(scalar_of(value))
     except (TypeError, ValueError, OverflowError):
@@ -134,6 +134,8 @@ def frame_rate(value: object, example: str = "30.0") -> float:
         raise InputError(
             f"fps: found {shown(value)}, expected a positive number, such as {example}"
         )
+    if most is not None and fps > most:
+        raise InputError(f"fps: found {fps:g}, expected at most {most:g} frames per second")
     return fps
 
 

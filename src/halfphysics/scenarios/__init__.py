@@ -13,7 +13,9 @@ import textwrap
 from collections.abc import Callable
 from typing import Any
 
+from halfphysics.base.validation import frame_rate
 from halfphysics.errors import InputError
+from halfphysics.motion.resampling import MAX_FPS
 from halfphysics.simulation.sequence import Sequence
 
 __all__ = ["builder", "describe", "explain", "load", "names", "options"]
@@ -116,4 +118,6 @@ def load(name: str, **chosen: Any) -> Sequence:
             raise InputError(
                 f"scenario '{name}': unknown option '{option}', expected one of {', '.join(known)}"
             )
+    if "fps" in chosen:
+        chosen["fps"] = frame_rate(chosen["fps"], most=MAX_FPS)
     return build(**chosen)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from halfphysics.base.validation import number
 from halfphysics.scenarios.acting.acting import SIDES, Act
 from halfphysics.scenarios.props import stage
 from halfphysics.scenarios.props.furniture import CLOTH, block
@@ -26,9 +27,10 @@ def build(*, fps: float = 30.0, sink: float = 0.05, body: Body | None = None) ->
 
     Args:
         fps: Frames per second.
-        sink: How far into the mattress the knees go [m].
+        sink: How far into the mattress the knees go [m]: 0.04 to 0.12.
         body: The person's body; None: the default body, whose size the bed has.
     """
+    sink = number(sink, "sink", least=0.04, most=0.12, unit="m")
     actor = stage.actor(body)
     scene = stage.floor()
     block(scene, "mattress", (_EDGE, -_HALF, 0.12), (_EDGE + _DEPTH, _HALF, _TOP), CLOTH)

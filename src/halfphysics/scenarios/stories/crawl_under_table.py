@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from halfphysics.base.validation import number
 from halfphysics.scenarios.acting.acting import SIDES, Act
 from halfphysics.scenarios.props import stage
 from halfphysics.scenarios.props.furniture import table
@@ -26,9 +27,10 @@ def build(*, fps: float = 30.0, hunch: float = 0.07, body: Body | None = None) -
 
     Args:
         fps: Frames per second.
-        hunch: How far the pelvis is raised under the table [m].
+        hunch: How far the pelvis is raised under the table [m]: 0 to 0.075.
         body: The person's body; None: the default body, whose size the table has.
     """
+    hunch = number(hunch, "hunch", least=0.0, most=0.075, unit="m")
     actor = stage.actor(body)
     scene = stage.floor()
     table(scene, (_NEAR, -_HALF), (_FAR, _HALF), _TOP, _THICK)

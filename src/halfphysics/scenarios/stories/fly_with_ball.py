@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from halfphysics.base.validation import number
 from halfphysics.geometry.shapes import Cylinder, Sphere
 from halfphysics.scenarios.acting.acting import Act
 from halfphysics.scenarios.props import stage
@@ -37,9 +38,10 @@ def build(
         fps: Frames per second.
         mass: Of the ball [kg].
         friction: Of the ball.
-        squeeze: How far into the ball each palm goes [m].
+        squeeze: How far into the ball each palm goes [m]: 0 to 0.08.
         body: The person's body; None: the default body, for which the ball is placed.
     """
+    squeeze = number(squeeze, "squeeze", least=0.0, most=0.08, unit="m")
     actor = stage.actor(body)
     scene = stage.floor()
     under = _HEIGHT - _RADIUS - 0.001

@@ -43,7 +43,7 @@ def build(
         fps: Frames per second.
         stages: Which of "lift", "shake", "walk", "turn" and "open" happen, after the grasp and
             in this order.
-        hold: How long the glass is held still after the lift [s].
+        hold: How long the glass is held still after the lift [s]: at most 60.
         squeeze: How far the fingers' targets are beyond contact [rad]; a warning over 0.5.
         body: The person's body; None: the default body. Hand, arm and table follow the body given.
     """
@@ -75,7 +75,7 @@ def planned(
         if isinstance(stages, str) or name not in STAGES:
             found = stages if isinstance(stages, str) else name
             raise InputError(f"stages: found {found!r}, expected some of {', '.join(STAGES)}")
-    hold = number(hold, "hold", least=0.0, unit="s")
+    hold = number(hold, "hold", least=0.0, most=60.0, unit="s")
     actor = stage.actor(body)
     held = vessel(shape)
     plan, steps, shake = _plan(stages, hold)

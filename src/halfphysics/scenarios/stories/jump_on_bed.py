@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
-from halfphysics.base.validation import number
+from halfphysics.base.validation import is_whole, number, shown
 from halfphysics.errors import InputError
 from halfphysics.scenarios.acting.acting import Act
 from halfphysics.scenarios.acting.legs import leg_of
@@ -47,8 +47,8 @@ def build(
         soft: Material of the mattress (`hp.Soft.named`); None: it is hard.
         body: The person's body; None: the default body.
     """
-    if not 1 <= jumps <= 20:
-        raise InputError(f"jumps: found {jumps!r}, expected 1 to 20")
+    if not is_whole(jumps, least=1, plain=False) or jumps > 20:
+        raise InputError(f"jumps: found {shown(jumps)}, expected a whole number from 1 to 20")
     height = number(height, "height", least=0.02, most=0.4, unit="m")
     actor = stage.actor(body)
     scene = stage.floor()

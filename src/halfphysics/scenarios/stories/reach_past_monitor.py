@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.validation import frame_rate
 from halfphysics.errors import InputError
 from halfphysics.geometry.shapes import Box
 from halfphysics.motion.easing import ease
@@ -68,6 +69,7 @@ def build(
 
 def _reach(actor: Body, fps: float, beside: float) -> tuple[Motion, float]:
     """The motion of the person, and where the person's middle is along the reach [m]."""
+    fps = frame_rate(fps)
     stands = pose_at(actor, Walk(distance=1.0), 0.0)
     count = round((_BACK + 0.3) * fps) + 1
     base = stage.held(actor, stands, count, fps)

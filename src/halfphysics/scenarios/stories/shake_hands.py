@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.base.validation import number
+from halfphysics.base.validation import is_whole, number, shown
 from halfphysics.errors import InputError
 from halfphysics.motion.easing import ease
 from halfphysics.motion.motion import Motion
@@ -111,8 +111,8 @@ def build(
         body: The first person; None: the default body.
         other: The second person; None: the default body of that stature.
     """
-    if not 0 <= shakes <= 50:
-        raise InputError(f"shakes: found {shakes!r}, expected 0 to 50")
+    if not is_whole(shakes, least=0, plain=False) or shakes > 50:
+        raise InputError(f"shakes: found {shown(shakes)}, expected a whole number from 0 to 50")
     height = number(height, "height", least=0.0, most=0.10, unit="m")
     press = number(press, "press", least=0.0, most=0.02, unit="m")
     people = (stage.actor(body), stage.partner(other, stature))

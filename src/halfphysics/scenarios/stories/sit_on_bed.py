@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from halfphysics.base.validation import number
 from halfphysics.scenarios.acting.acting import SIDES, Act
 from halfphysics.scenarios.props import stage
 from halfphysics.scenarios.props.furniture import CLOTH, block, cushion
@@ -31,10 +32,11 @@ def build(
 
     Args:
         fps: Frames per second.
-        sink: How far into the mattress the motion goes [m].
+        sink: How far into the mattress the motion goes [m]: 0 to 0.1.
         soft: Material of the mattress, such as "mattress"; None: it is hard.
         body: The person's body; None: the default body, whose size the bed has.
     """
+    sink = number(sink, "sink", least=0.0, most=0.10, unit="m")
     actor = stage.actor(body)
     scene = stage.floor()
     block(

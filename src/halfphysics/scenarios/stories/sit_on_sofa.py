@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from halfphysics.base.validation import number
 from halfphysics.scenarios.acting.acting import Act
 from halfphysics.scenarios.props import stage
 from halfphysics.scenarios.props.furniture import CLOTH, block
@@ -36,11 +37,12 @@ def build(
 
     Args:
         fps: Frames per second.
-        sink: How far into the seat the motion goes [m], before it comes to rest.
+        sink: How far into the seat the motion goes [m], before it comes to rest: 0 to 0.15.
         soft: Material of seat and rest, such as "sofa"; None: they are hard.
         rise: Whether the person stands up again.
         body: The person's body; None: the default body, whose size the sofa has.
     """
+    sink = number(sink, "sink", least=0.0, most=0.15, unit="m")
     actor = stage.actor(body)
     scene = stage.floor()
     out = _HALF + 0.16

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from halfphysics.base.validation import number
 from halfphysics.scenarios.acting.acting import SIDES, Act
 from halfphysics.scenarios.props import stage
 from halfphysics.scenarios.props.furniture import block
@@ -29,9 +30,10 @@ def build(*, fps: float = 30.0, sink: float = 0.06, body: Body | None = None) ->
 
     Args:
         fps: Frames per second.
-        sink: How far into the cabinet the motion goes [m], before it comes to rest.
+        sink: How far into the cabinet the motion goes [m], before it comes to rest: 0 to 0.15.
         body: The person's body; None: the default body, for which the cabinet is placed.
     """
+    sink = number(sink, "sink", least=0.0, most=0.15, unit="m")
     actor = stage.actor(body)
     scene = stage.floor()
     block(scene, "cabinet", (_WALL, -0.9, 0.0), (_FRONT, 0.9, _TOP))

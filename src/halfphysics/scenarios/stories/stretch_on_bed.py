@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from halfphysics.base.validation import number
 from halfphysics.scenarios.acting.acting import Act
 from halfphysics.scenarios.props import stage
 from halfphysics.scenarios.props.furniture import CLOTH, block
@@ -32,10 +33,11 @@ def build(
 
     Args:
         fps: Frames per second.
-        sink: How far into the mattress the motion goes [m], before it comes to rest.
+        sink: How far into the mattress the motion goes [m], before it comes to rest: 0 to 0.12.
         soft: Material of the mattress, such as "mattress"; None: it is hard.
         body: The person's body; None: the default body, whose size the bed has.
     """
+    sink = number(sink, "sink", least=0.0, most=0.12, unit="m")
     actor = stage.actor(body)
     scene = stage.floor()
     block(scene, "mattress", (_HEAD, -_HALF, 0.15), (_FOOT, _HALF, _TOP), CLOTH, soft)

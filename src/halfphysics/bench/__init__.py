@@ -13,7 +13,7 @@ from types import MappingProxyType
 from halfphysics.bench.record import Options, Record
 from halfphysics.errors import InputError
 
-__all__ = ["CASES", "Options", "Record", "run"]
+__all__ = ["CASES", "LEFT_OUT", "Options", "Record", "run"]
 
 #: Case -> (module of this package, function, description in one line).
 CASES: Mapping[str, tuple[str, str, str]] = MappingProxyType(
@@ -190,6 +190,14 @@ CASES: Mapping[str, tuple[str, str, str]] = MappingProxyType(
             "what driver and workers hold at ten points of a long sweep; MB",
         ),
         "skinning": ("measuring", "skinning", "body.vertices, all vertices of the default body"),
+    }
+)
+
+#: Case -> why it may have no records.
+LEFT_OUT: Mapping[str, str] = MappingProxyType(
+    {
+        "instructions": "valgrind is not installed",
+        "sweep-memory": "what other processes hold is read on Linux only",
     }
 )
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import importlib
+import os
 import sys
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -26,6 +27,7 @@ from halfphysics.cli.streams import (
     output_lost,
     say,
     streams_for_closed_ones,
+    streams_that_take_any_text,
 )
 from halfphysics.cli.wording import Voice, options_of, speak_as, spoken
 from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning, InputError
@@ -60,6 +62,11 @@ MISTAKE, INTERRUPTED = 2, 130
 #: Errors of the system where a stream has no room.
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 
+#: Environment variables from which numpy's libraries read their number of threads.
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+# Commands that let numpy's libraries have one thread: they measure processor time.
+_ONE_THREAD = ("bench",)
+
 # A longer warning [characters] is told apart into its statements.
 _LONG = 240
 
@@ -89,7 +96,11 @@ def guarded(run: Callable[[], int], program: str = "halfphysics") -> int:
         run: A command; returns its exit code.
         program: The name at the beginning of each message.
     """
-    with warnings.catch_warnings(), streams_for_closed_ones():
+    with (
+        warnings.catch_warnings(),
+        streams_for_closed_ones(),
+        streams_that_take_any_text(),
+    ):
         warnings.simplefilter("always", HalfPhysicsWarning)
         warnings.showwarning = _show_warning(warnings.showwarning, program)
         try:
@@ -130,6 +141,9 @@ def _run(arguments: list[str]) -> int:
             f"unknown command {name!r}{hint} Expected one of {', '.join(COMMANDS)}. "
             "halfphysics --help explains them"
         )
+    # Before the import of numpy: its libraries read these variables once.
+    if name in _ONE_THREAD and "numpy" not in sys.modules:
+        os.environ.update(dict.fromkeys(THREADS, "1"))
     from halfphysics.cli.parsing import Exit, parse
 
     module: Any = importlib.import_module(f"{__name__}.{name}")

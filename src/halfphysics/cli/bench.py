@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
+from halfphysics.cli import THREADS
 from halfphysics.cli.options import check_output, progress
 from halfphysics.errors import InputError
 
@@ -22,9 +23,6 @@ halfphysics bench
 halfphysics bench --case free --case wall
 halfphysics bench --case free --motion walk.npz --json bench.json
 halfphysics bench --quick --repeats 1"""
-
-#: Environment variables from which numpy's libraries read their number of threads.
-_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,9 +46,6 @@ class Command:
 
     def run(self) -> None:
         """Measure, print and write the records."""
-        # Set before the import of numpy: its libraries read these variables once.
-        if "numpy" not in sys.modules:
-            os.environ.update(dict.fromkeys(_THREADS, "1"))
         from halfphysics import bench
 
         for name in self.case:
@@ -68,7 +63,7 @@ class Command:
             if self.case and name not in self.case:
                 continue
             found = list(_shown(name, bench.run(name, options)))
-            tables = _tables(found) if found else "left out: valgrind is not installed"
+            tables = _tables(found) if found else f"left out: {bench.LEFT_OUT[name]}"
             print(f"\n{name}: {what}\n\n{tables}", flush=True)
             records += found
         if self.json is not None:
@@ -101,7 +96,7 @@ def _machine() -> dict[str, Any]:
         "platform": f"{platform.system()} {platform.machine()}",
         "cores": os.cpu_count(),
         "load": list(os.getloadavg()) if hasattr(os, "getloadavg") else None,
-        "threads": {name: os.environ.get(name) for name in _THREADS},
+        "threads": {name: os.environ.get(name) for name in THREADS},
     }
 
 

@@ -1,8 +1,12 @@
-"""Standard output that nobody reads, or that has no room, ends a command quietly."""
+"""Standard output that nobody reads, or that has no room, ends a command quietly.
+
+What its encoding does not have is written as an escape such as \\u28ff.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import io
 import os
 import sys
 from collections.abc import Iterator
@@ -25,6 +29,27 @@ def streams_for_closed_ones() -> Iterator[None]:
                 nowhere = stack.enter_context(open(os.devnull, "w", encoding="utf-8"))
                 stack.enter_context(redirect(nowhere))
         yield
+
+
+@contextlib.contextmanager
+def streams_that_take_any_text() -> Iterator[None]:
+    """In the block, what the encoding of a standard stream lacks is written as an escape."""
+    with contextlib.ExitStack() as stack:
+        for stream in (sys.stdout, sys.stderr):
+            if not isinstance(stream, io.TextIOWrapper):
+                continue
+            before = stream.errors or "strict"
+            unicode = stream.encoding.lower().replace("-", "").startswith("utf")
+            # A name that is no text is written as it is where the encoding can.
+            if before == "strict" or (before == "surrogateescape" and not unicode):
+                stream.reconfigure(errors="backslashreplace")
+                stack.callback(_restore, stream, before)
+        yield
+
+
+def _restore(stream: io.TextIOWrapper, errors: str) -> None:
+    with contextlib.suppress(OSError, ValueError):  # closed in between, or without room
+        stream.reconfigure(errors=errors)
 
 
 def flush_output() -> None:

@@ -97,6 +97,35 @@ def test_its_rights_are_those_of_any_new_file(tmp_path):
     assert stat.S_IMODE(path.stat().st_mode) == stat.S_IMODE(plain.stat().st_mode)
 
 
+@pytest.mark.skipif(os.name != "posix", reason="Windows lets few make links")
+def test_a_link_is_written_through(tmp_path):
+    """To a file that is there, to one that is not yet, to a folder, to nowhere, to itself."""
+    there, link = tmp_path / "there", tmp_path / "link"
+    there.mkdir()
+    link.symlink_to("there/a.bin")
+    for content in (b"new", b"newer"):
+        with atomic_write(link) as handle:
+            handle.write(content)
+            assert [name.endswith(".part") for name in os.listdir(there)].count(True) == 1
+        assert link.is_symlink()
+        assert (there / "a.bin").read_bytes() == content
+        assert os.listdir(there) == ["a.bin"]
+    (tmp_path / "second").symlink_to("link")
+    with atomic_write(tmp_path / "second") as handle:
+        handle.write(b"newest")
+    assert (there / "a.bin").read_bytes() == b"newest"
+    for name, to, message in (
+        ("folder", "there", "this is a folder"),
+        ("nowhere", "gone/a.bin", "gone does not exist"),
+        ("loop", "loop", "leads to itself"),
+        ("device", "/dev/null", "a pipe or a device"),
+    ):
+        (tmp_path / name).symlink_to(to)
+        with pytest.raises(FileError, match=message), atomic_write(tmp_path / name):
+            pass
+        assert (tmp_path / name).is_symlink()
+
+
 def test_places_where_no_file_can_be(tmp_path):
     for path, words in (
         (tmp_path / "none" / "a", "does not exist. Create it first"),

@@ -27,12 +27,12 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
 
     It lies beside the target (same file system, so that the replacement is one step) and is
     removed when anything goes wrong; what a killed process left there is removed by the next
-    that writes `path`.
+    that writes `path`. Where `path` is a symbolic link, the target is the file that it leads to.
 
     Raises:
         FileError: The folder is missing, `path` is a folder, a pipe or a device, or writing fails.
     """
-    path = file_path(path)
+    path = linked(file_path(path))
     if not path.parent.is_dir():
         raise FileError(
             f"{path}: cannot write, the folder {path.parent} does not exist. Create it first"
@@ -62,6 +62,23 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
     finally:
         with contextlib.suppress(OSError):  # the first error is the one to report
             temporary.unlink(missing_ok=True)
+
+
+def linked(path: Path) -> Path:
+    """The file that is written by the name `path`: of a symbolic link the one that it leads to.
+
+    That file may be missing.
+
+    Raises:
+        FileError: The link leads to itself.
+    """
+    if not path.is_symlink():
+        return path
+    target = Path(os.path.realpath(path))
+    if target.is_symlink():
+        raise FileError(f"{path}: cannot write, this link leads to itself. Give another name")
+    nameless = path.exists() and not target.exists()  # a pipe, by way of /dev/stdout
+    return path if nameless else target
 
 
 def _writer() -> str:

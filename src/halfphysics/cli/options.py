@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
-from halfphysics.base.atomic import reason
+from halfphysics.base.atomic import linked, reason
 from halfphysics.base.validation import file_path
 from halfphysics.baselines.options import Mode, with_options
 from halfphysics.cli.loudness import is_quiet
@@ -148,7 +148,7 @@ def check_output(path: Path, *inputs: Path | None) -> None:
         FileError: The folder does not exist, cannot be written or is full, or the path is a folder,
             a device or an input file.
     """
-    path = file_path(path)
+    path = linked(file_path(path))
     if path.is_dir():
         raise FileError(f"{path}: cannot write, this is a folder. Give a file name")
     if not path.parent.is_dir():

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
+from pathlib import Path
+
 import pytest
 
+from halfphysics.body import body as module
 from halfphysics.cli import main
+from support.people import along_x
 from support.small_results import alone
 
 
@@ -50,3 +55,15 @@ def test_options_for_motions_are_for_motions(result, option, capsys):
     for what in (result, "kick_ball"):
         assert main(["page", what, "--play", *option]) == 2
         assert "leave them out" in said(capsys)
+
+
+def test_another_model_needs_to_be_allowed(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("SMPLX_NEUTRAL.npz").write_bytes(module._ASSET.read_bytes())
+    clip = along_x(0.3, 6, 0.0, z=1.2)
+    dataclasses.replace(clip, gender="female").save("walk.npz")
+    words = ["page", "walk.npz", "--body", "SMPLX_NEUTRAL.npz", "--out", "p.html"]
+    for how in ([], ["--play"]):
+        assert main([*words, *how]) == 2
+        assert "keep this body and its shape with --allow-mismatch" in said(capsys)
+        assert main([*words, *how, "--allow-mismatch"]) == 0

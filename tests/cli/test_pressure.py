@@ -63,6 +63,12 @@ def test_arrays_of_a_thing_and_of_a_skin(source):
         ),
         (("-o", "skin.png", "--skin", "--of", "nobody"), "With --skin it is a person: person"),
         (("-o", "skin.png", "--skin", "--cell", "2"), "--side and --cell are of a thing's map"),
+        (
+            ("-o", "map.png", "--cell", "0"),
+            "--cell: expected a number from 0.1 to 100 [cm], found 0",
+        ),
+        (("-o", "map.png", "--cell", "nan"), "--cell: expected a number from 0.1 to 100 [cm]"),
+        (("-o", "map.png", "--cell", "101"), "from 0.1 to 100 [cm], found 101"),
         (("-o", "map.png", "--frame", "99"), "the map has 16 frames"),
     ],
 )
@@ -84,3 +90,9 @@ def test_a_motion_file_is_no_result(tmp_path, capsys):
     soft_result().motion.save(tmp_path / "walk.npz")
     assert run("walk.npz", "-o", "map.png") == 2
     assert "found no result" in capsys.readouterr().err
+
+
+def test_cells_that_are_too_small_are_said_in_cm(source, monkeypatch, capsys):
+    monkeypatch.setattr("halfphysics.results.pressure_maps.MOST_NUMBERS", 1000)
+    assert run(source, "-o", "map.png", "--cell", "0.5") == 2
+    assert "--cell: found 0.5 cm, for which 'bed' has " in capsys.readouterr().err

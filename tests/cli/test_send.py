@@ -63,12 +63,35 @@ def test_a_live_session_gets_the_clip(clip, capsys):
         (["--as", "vmc:10.0.0.7:39539"], "Add --remote to send there"),
         (["--as", "ws://example.org:8765"], "Add --remote to send there"),
         (["--as", "vmc:1:2:x"], "port from 0"),
-        (["--as", "vmc", "--speed", "0"], "speed"),
-        (["--as", "vmc", "--to-fps", "-1"], "fps"),
+        (["--as", "vmc", "--speed", "0"], "--speed: expected a number above 0, found 0"),
+        (["--as", "vmc", "--to-fps", "-1"], "--to-fps: expected a number above 0, found -1"),
+        (["--as", "vmc", "--to-fps", "nan"], "--to-fps: expected a number above 0, found nan"),
+        (["--as", "vmc", "--for", "-1"], "--for: expected a number above 0 [s], found -1"),
+        (
+            ["--as", "vmc", "--to-fps", "9000", "--speed", "0.5"],
+            "--to-fps 9000, divided by --speed 0.5: found 18000, expected at most 10000",
+        ),
         (["--as", "ws:127.0.0.1:9"], "nothing answers there"),
         (["--as", "pico"], "not known"),
     ],
 )
 def test_mistakes(clip, capsys, arguments, message):
     assert run("send", "walk.npz", *arguments) == 2
-    assert message in " ".join(capsys.readouterr().err.split())
+    out, err = capsys.readouterr()
+    assert message in " ".join(err.split())
+    assert out == ""
+
+
+def test_a_result_is_sent_with_its_own_body(clip, monkeypatch):
+    own = hp.Body.default(stature=1.5)
+    hp.simulate(clip, body=own, settings=hp.Settings(contact="parts")).save("r.npz")
+    given = []
+
+    def sender(text, *, person, body):
+        given.append(body.stature)
+        raise hp.errors.InputError("enough")
+
+    monkeypatch.setattr(protocols, "sender", sender)
+    for words in ([], ["--stature", "1.9"], ["--mass", "60"]):
+        assert run("send", "r.npz", "--as", "vmc", *words) == 2
+    assert given == pytest.approx([1.5, 1.9, 1.5])

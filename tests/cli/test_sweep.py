@@ -72,16 +72,22 @@ def test_out_is_no_input(tmp_path, capsys, here):
         (["--engine", "slurm"], "slurm"),
         (["--memory", "0.01"], "memory: found 0.01 GiB, expected at least 0.5"),
         (["--memory", "inf"], "memory: found inf GiB, expected at most the "),
+        (["--memory", "nan"], "--memory: found nan GiB, expected at least 0.5"),
+        (["--memory", "-1"], "--memory: found -1 GiB, expected at least 0.5"),
+        (["--memory", "nan", "--dry-run"], "--memory: expected a number above 0 [GiB], found nan"),
+        (["--memory", "-1", "--engine", "ray"], "--memory: expected a number above 0 [GiB]"),
         (["--out", "plan.yaml"], "this is a file"),
     ],
 )
 def test_mistakes_are_one_message(plan, tmp_path, monkeypatch, capsys, arguments, said):
     monkeypatch.chdir(tmp_path)
+    before = sorted(tmp_path.rglob("*"))
     assert main(["sweep", plan, *arguments]) == MISTAKE
-    error = capsys.readouterr().err
+    out, error = capsys.readouterr()
     assert said in error
     assert error.count("\n") == 1
-    assert not list(tmp_path.rglob("*.tar"))
+    assert out == "" or "--out" in arguments  # what the plan is may be said first
+    assert sorted(tmp_path.rglob("*")) == before
 
 
 def test_no_such_plan(tmp_path, capsys):

@@ -93,6 +93,7 @@ class Command:
     def _sequence(self) -> Sequence:
         """What the physics of the page starts from."""
         from halfphysics import scenarios
+        from halfphysics.body.match import check_match
         from halfphysics.formats.results.result_file import is_result, load_result
 
         path = self._path()
@@ -105,6 +106,10 @@ class Command:
         found = self.motion_file.sequence(
             path, body=self.person.instead_of, ground=self.scene.ground
         )
+        if self.play:  # a recording is simulated, which checks
+            for motion, body in zip(found.motions, found.bodies, strict=True):
+                if body is not None:
+                    check_match(motion, body, allow_mismatch=self.person.allow_mismatch)
         return replace(found, scene=self.scene.load(found.scene))
 
     def _path(self) -> Path | None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from halfphysics.base.suggestions import did_you_mean
+from halfphysics.base.validation import number
 from halfphysics.cli.options import check_output
 from halfphysics.errors import InputError
 
@@ -64,6 +65,7 @@ class Command:
             )
         if self.skin and (self.side is not None or self.cell != 1.0):
             raise InputError("--skin: --side and --cell are of a thing's map; leave them out")
+        number(self.cell, "--cell", least=0.1, most=100.0, unit="cm")
         result = Result.load(self.file)
         if self.skin:
             self._skin(result)
@@ -79,7 +81,13 @@ class Command:
         from halfphysics.render.pressure_pictures import save_pressure
         from halfphysics.results.pressure_maps import pressure_map
 
-        made = pressure_map(result, self.of, side=self.side, cell=0.01 * self.cell)
+        try:
+            made = pressure_map(result, self.of, side=self.side, cell=0.01 * self.cell)
+        except InputError as error:
+            # Here a cell is in cm.
+            said = str(error).replace("cell: found", "--cell: found", 1)
+            here, there = f"{0.01 * self.cell:g} m", f"{self.cell:g} cm"
+            raise InputError(said.replace(here, there, 1)) from None
         save_pressure(made, self.out, frame=self.frame, most=self._pascals)
         largest = 1e-3 * float(made.pressure.max(initial=0.0))
         force = float(made.force.max(initial=0.0))

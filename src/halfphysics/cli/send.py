@@ -11,14 +11,17 @@ from urllib.parse import urlsplit
 import tyro
 
 from halfphysics.base.suggestions import did_you_mean
+from halfphysics.base.validation import number
 from halfphysics.cli.options import BodyOptions, MotionOptions
 from halfphysics.errors import InputError
+from halfphysics.motion.resampling import sample_positions
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from halfphysics.body.body import Body
     from halfphysics.live.incoming import Sender
+    from halfphysics.motion.motion import Motion
 
 EXAMPLES = """\
 halfphysics send walk.npz --as vmc
@@ -67,8 +70,10 @@ class Command:
             raise InputError("send: found no --as. Say how and where to, such as --as vmc")
         for text in self.as_:
             self._check(text)
+        self._check_numbers()
         motion = self.motion_file.load(self.source)
-        body = self.person.load(motion)
+        self._check_frames(motion)
+        body = self.person.instead_of(self._own_body(), motion)
         with self._senders(body) as senders:
             print(f"{self.source} to {', '.join(self.as_)}", flush=True)
             played = play(
@@ -105,6 +110,32 @@ class Command:
                 f"--as {text}: found another machine ({host!r}), expected this one's loopback. Add "
                 "--remote to send there"
             )
+
+    def _check_numbers(self) -> None:
+        number(self.speed, "--speed", above=0.0, most=100.0)
+        if self.for_ is not None:
+            number(self.for_, "--for", above=0.0, unit="s")
+        if self.to_fps is not None:
+            number(self.to_fps, "--to-fps", above=0.0)
+
+    def _check_frames(self, motion: Motion) -> None:
+        """That the clip has frames at the rate and the speed."""
+        rate = motion.fps if self.to_fps is None else self.to_fps
+        try:
+            sample_positions(len(motion), motion.fps, rate / self.speed)
+        except InputError as error:
+            said = str(error).removeprefix("fps: ")
+            asked = f"--to-fps {rate:g}, divided by --speed {self.speed:g}"
+            raise InputError(f"{asked}: {said}") from None
+
+    def _own_body(self) -> Body | None:
+        """The body of the person of a result, where no other is asked for."""
+        from halfphysics.formats.results.result_file import is_result
+        from halfphysics.results.result import Result
+
+        if self.person.given or not is_result(self.source):
+            return None
+        return Result.load(self.source).people[0].body
 
     @contextlib.contextmanager
     def _senders(self, body: Body) -> Iterator[list[Sender]]:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
+from halfphysics.base.validation import number
 from halfphysics.cli.loudness import is_quiet
 from halfphysics.cli.options import check_room
 from halfphysics.cli.parsing import Exit, parse
@@ -119,11 +120,25 @@ class Command:
         for name, count in (("jobs", self.jobs), ("verify", self.verify)):
             if count is not None and count < 1:
                 raise InputError(f"--{name}: found {count}, expected at least 1")
+        if self.memory is not None:
+            self._check_memory(self.memory, works=not chosen or self.retry_failed)
         if self.limit is not None:
             from halfphysics.sweep.make.time_limit import check_limit, check_possible
 
             check_limit(self.limit, "--limit")
             check_possible()
+
+    def _check_memory(self, memory: float, works: bool) -> None:
+        """That there can be this memory [GiB], and where this machine `works`, that it has it."""
+        if not works or self.engine != "local":
+            number(memory, "--memory", above=0.0, unit="GiB")
+            return
+        from halfphysics.sweep.run.local import shares
+
+        try:
+            shares(self.jobs, memory)
+        except InputError as error:
+            raise InputError(f"--{error}") from None
 
     def _verify(self, plan: Plan, folder: Path, count: int) -> None:
         from halfphysics.sweep.report.verify import verify

@@ -48,7 +48,7 @@ def build(
         body: The person's body; None: the default body.
     """
     if not is_whole(jumps, least=1, plain=False) or jumps > 20:
-        raise InputError(f"jumps: found {shown(jumps)}, expected a whole number from 1 to 20")
+        raise InputError(f"jumps: found {shown(jumps)}, expected 1 to 20, a whole number")
     height = number(height, "height", least=0.02, most=0.4, unit="m")
     actor = stage.actor(body)
     scene = stage.floor()

@@ -112,7 +112,7 @@ def build(
         other: The second person; None: the default body of that stature.
     """
     if not is_whole(shakes, least=0, plain=False) or shakes > 50:
-        raise InputError(f"shakes: found {shown(shakes)}, expected a whole number from 0 to 50")
+        raise InputError(f"shakes: found {shown(shakes)}, expected 0 to 50, a whole number")
     height = number(height, "height", least=0.0, most=0.10, unit="m")
     press = number(press, "press", least=0.0, most=0.02, unit="m")
     people = (stage.actor(body), stage.partner(other, stature))

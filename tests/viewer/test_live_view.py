@@ -70,13 +70,14 @@ def test_soft_things_dent():
     scene.add_static("bed", hp.Box((0.6, 0.6, 0.4)), position=(2, 0, 0.2), soft="mattress")
     scene.add_object("ball", hp.Sphere(0.1), mass=5.0, position=(2, 0, 0.51))
     with serve(scene, port=0, fps=30) as server, LiveView(server.url, port=0) as view:
-        rest = np.array(view.stage.static("bed").vertices)
         until(lambda: view.reader.frame.pressures and view.reader.frame.frame > 20)
         frame = view.reader.frame
         done(view, lambda: view._show(frame))
         lowest = frame.objects["ball"][0][2] - 0.1
         now = np.array(view.stage.static("bed").vertices)
-        moved = rest[:, 2] - now[:, 2]
+        # Of the top, whose edge stays; the ball may have pressed before the view was there.
+        now = now[(np.abs(now[:, :2]) < 0.29).all(axis=1) & (now[:, 2] > 0.0)]
+        moved = 0.2 - now[:, 2]
         under = moved > 0.5 * moved.max()
         assert np.linalg.norm(now[under, :2], axis=1).max() < 0.1
         # The nearest vertex is up to 3 cm beside the lowest point; edges of 5 cm may put it deeper.

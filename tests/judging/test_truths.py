@@ -6,6 +6,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+import trimesh
 from metrics.test_judge import walk
 
 import halfphysics as hp
@@ -111,3 +112,20 @@ def test_references_of_several_people_are_each_ones_own(pair, tmp_path):
     with pytest.raises(InputError, match="holds one person, and the result 2"):
         reference_of(tmp_path / "alone.npz", "person0", index=0, count=2)
     assert len(reference_of(tmp_path / "alone.npz", "person", index=0, count=1)) == 8
+
+
+def test_a_scene_that_is_given_has_the_meshes_that_the_result_lost(tmp_path):
+    mesh, scene = tmp_path / "ball.stl", hp.Scene()
+    trimesh.creation.icosphere(subdivisions=2, radius=0.15).export(mesh)
+    scene.add_static("floor", hp.Plane())
+    scene.add_object("ball", mesh, mass=1.0, position=(2.0, 0.0, 0.15))
+    hp.simulate(walk()[:8], scene).save(tmp_path / "result.npz")
+    moved = tmp_path / "moved.stl"
+    mesh.rename(moved)
+    given = hp.Scene()
+    given.add_static("ground", hp.Plane())  # of another name, too
+    given.add_object("ball", moved, mass=1.0, position=(2.0, 0.0, 0.15))
+    given.save(tmp_path / "scene.yaml")
+    (one,) = hp.judge(tmp_path / "result.npz", scene=tmp_path / "scene.yaml", jobs=1)
+    assert one.warnings == ()
+    assert one.verdict["hand_contact_percent"] == 0.0

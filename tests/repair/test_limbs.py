@@ -9,6 +9,8 @@ import pytest
 from repair.test_repair import standing
 
 import halfphysics as hp
+from halfphysics.base import rotations as rot
+from halfphysics.motion.skeleton import JOINT_INDEX
 from halfphysics.repair import limbs
 from support.real_clips import real_clip
 
@@ -34,6 +36,20 @@ def test_caught_limbs_are_left_however_long_the_person_stands_before(squat):
         done, left = verdict(motion)
         assert done == []
         assert any("would be caught" in line for line in left)
+
+
+@pytest.mark.parametrize("after", [20, 300])
+def test_a_limb_that_passes_for_a_moment_is_not_caught_for_as_long_as_it_stays(after):
+    """The left arm swings through the trunk in 12 frames and stays behind the back."""
+    ways = np.radians([-50.0] * 10 + np.linspace(-50.0, 50.0, 12).tolist() + [50.0] * after)
+    motion = standing(len(ways))
+    turns = motion.rotations.copy()
+    down = rot.exp(np.array([0.0, 0.0, np.radians(-105.0)]))
+    swing = rot.exp(np.stack([ways, 0.0 * ways, 0.0 * ways], axis=1))
+    turns[:, JOINT_INDEX["left_shoulder"]] = rot.log(rot.multiply(swing, down))
+    done, left = verdict(motion.with_frames(motion.translation, turns))
+    assert done == []
+    assert any("would be caught" in line for line in left)
 
 
 def test_limbs_that_are_in_nothing_have_no_line():

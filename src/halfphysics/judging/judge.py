@@ -177,8 +177,9 @@ def _of_result(task: Task, reading: Reading, scene: Scene | None) -> list[Judged
     from halfphysics.results.result import Result
 
     result = Result.load(task.path)
-    # Another scene may have other names: only poses are judged in it.
+    # Another scene may have other names, and meshes that the result's own has lost.
     scene = result.scene if scene is None else scene
+    objects = known_tracks(scene, result.objects)
     count, found = len(result.people), []
     for index, person in enumerate(result.people):
         truth = None
@@ -189,14 +190,14 @@ def _of_result(task: Task, reading: Reading, scene: Scene | None) -> list[Judged
                 person.name,
                 index=index,
                 count=count,
-                objects=bool(result.objects),
+                objects=bool(objects),
             )
         verdict = judge(
             person.motion,
             reading.body(person.body, person.motion),
             scene,
             None if truth is None else truth.motion,
-            objects=known_tracks(result.scene, result.objects),
+            objects=objects,
             truth_objects=None if truth is None else truth.objects,
         )
         found.append(Judged(f"{task.name}:{person.name}" if count > 1 else task.name, verdict))

@@ -85,7 +85,8 @@ def _inside(person: PersonResult, touching: Mask) -> bool:
     frames = np.flatnonzero(touching)
     frames = frames if len(frames) > 1 else np.repeat(frames, 2)  # no motion has a single one
     some = asked.with_frames(asked.translation[frames], asked.rotations[frames])
-    return self_penetration(some, person.body).max_mm > DEEP
+    # All of them: a limb that is caught touches for long, and may have been inside for a moment.
+    return self_penetration(some, person.body, most=None).max_mm > DEEP
 
 
 def _with_after(touching: Mask, fps: float) -> Mask:

@@ -10,7 +10,7 @@ import time
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import islice
+from itertools import islice, takewhile
 
 from halfphysics.body.match import check_match
 from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning, InputError
@@ -134,6 +134,8 @@ def _chosen(plan: Plan, variants: Variants) -> Iterator[Variant]:
 
 def _scanned(plan: Plan, variants: Variants) -> Iterator[Variant]:
     """Of many variants at random those that the conditions keep, evenly spread."""
-    kept = [n for n in variants.sample(_SCANNED) if variants.keeps(variants[n])]
+    end = time.monotonic() + _SECONDS
+    looked_at = takewhile(lambda _: time.monotonic() < end, variants.sample(_SCANNED))
+    kept = [n for n in looked_at if variants.keeps(variants[n])]
     count = min(MOST, len(kept))
     yield from (variants[kept[k * len(kept) // count]] for k in range(count))

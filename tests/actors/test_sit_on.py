@@ -113,6 +113,24 @@ def test_bodies_come_to_rest_on_the_seat(height):
     np.testing.assert_allclose(pelvis, seat_pelvis(goal.place, height, person.leg), atol=0.04)
 
 
+@pytest.mark.parametrize(("soft", "height"), [("mattress", 0.4), ("pillow", 0.45)])
+def test_who_sinks_into_a_seat_sits_on_it(soft, height):
+    scene = hp.Scene()
+    scene.add_static("floor", hp.Plane())
+    seat = hp.Box((0.6, 0.8, height))
+    scene.add_static("seat", seat, position=(1.5, 0.0, height / 2), soft=soft)
+    goal = SitOn((1.4, 0.0), height=height, heading=math.pi, stay=1.0)
+    person = Person(body(), goals=[goal], scene=scene)
+    result = hp.actors.play(person, scene, seconds=8.0)
+    assert person.done
+    assert person.given_up == ()
+    pelvis = body().joints(result.motion)[:, 0]
+    wanted = np.array(seat_pelvis(goal.place, height, person.leg))
+    deepest = pelvis[pelvis[:, 2].argmin()]
+    assert deepest[2] < wanted[2] - 0.1
+    np.testing.assert_allclose(deepest[:2], wanted[:2], atol=0.06)
+
+
 @pytest.mark.parametrize(("stature", "height"), [(None, 0.7), (1.2, 0.45)])
 def test_a_seat_that_is_too_high_is_given_up(stature, height):
     """It was done, with a body that leaned on the edge."""

@@ -57,7 +57,7 @@ def test_no_input_is_written_over(words, folder, capsys):
 def test_a_scene_with_other_names_is_refused_by_name(folder, capsys):
     assert run("evaluate", "r.npz", "--scene", "other.json") == 2
     err = capsys.readouterr().err
-    assert "--scene: found 'chest', 'lamp', which r.npz does not have" in err
+    assert "--scene: found static 'chest', 'lamp', which r.npz does not have" in err
     assert "static: 'box'; objects: none" in err
 
 

@@ -131,6 +131,9 @@ def test_everybody_of_a_result_is_put_right(tmp_path, capsys):
     assert again.people[0].motion.translation[0, 0] > 1.4
     assert main(["fix", str(source), "--clip", "anne"]) == 2
     assert "found 'anne', expected one of" in capsys.readouterr().err
+    for useless in (["--up", "y"], ["--fps", "25"], ["--hands", "mean"]):
+        assert main(["fix", str(source), *useless]) == 2
+        assert "a result has its own axes, rate and bodies" in capsys.readouterr().err
 
 
 def test_outputs_have_a_file_each(clip, tmp_path, capsys):

@@ -238,10 +238,14 @@ class Person:
 
     @property
     def away(self) -> float:
-        """How far its simulated pelvis is from where its reference was to be [m]."""
+        """How far its simulated pelvis is beside or above where its reference was to be [m].
+
+        What it has sunk into something soft does not count."""
         if self.seen.pose is None:
             return 0.0
-        return math.dist(pelvis_of(self.seen.pose, self.body), pelvis_of(self._pose, self.body))
+        body, asked = (pelvis_of(pose, self.body) for pose in (self.seen.pose, self._pose))
+        x, y, z = (float(its) for its in body - asked)
+        return math.hypot(x, y, max(z, 0.0))
 
     @property
     def leg(self) -> float:

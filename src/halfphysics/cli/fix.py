@@ -136,6 +136,11 @@ class Command:
         from halfphysics.scene.scene import Scene
         from halfphysics.simulation.sequence import Sequence as Motions
 
+        if replace(self.motion_file, clip=None, frames=None, floor=None) != MotionOptions():
+            raise InputError(
+                f"{self.motion}: a result has its own axes, rate and bodies. Of the options for "
+                "motion files --clip, --frames and --floor are for results, too; leave out the rest"
+            )
         result, clip = Result.load(self.motion), self.motion_file.clip
         people = [person for person in result.people if clip in (None, person.name)]
         if not people:

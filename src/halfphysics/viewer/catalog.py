@@ -40,7 +40,9 @@ _RANGES: Mapping[tuple[str, str], tuple[float, float, float]] = MappingProxyType
     {
         ("ball_on_cushion", "height"): (0.75, 1.2, 1.0),
         ("ball_on_cushion", "radius"): (0.05, 0.15, 0.11),
+        ("climb_onto_bed", "sink"): (0.04, 0.12, 0.05),
         ("close_drawer", "travel"): (0.05, 0.3, 0.28),
+        ("crawl_under_table", "hunch"): (0.0, 0.075, 0.07),
         ("doorway", "right_jamb"): (-0.6, 0.0, -0.235),
         ("jump_on_bed", "height"): (0.02, 0.4, 0.15),
         ("jump_on_bed", "jumps"): (1, 5, 2),
@@ -52,6 +54,8 @@ _RANGES: Mapping[tuple[str, str], tuple[float, float, float]] = MappingProxyType
         ("meet", "stature"): (1.2, 2.0, 1.6),
         ("push_door", "speed"): (0.2, 2.2, 1.0),
         ("shake_hands", "stature"): (1.5, 1.9, 1.6),
+        ("sit_on_bed", "sink"): (0.0, 0.1, 0.07),
+        ("sit_on_sofa", "sink"): (0.0, 0.15, 0.08),
         ("squeeze_pillow", "carry"): (1.0, 10.0, 1.5),
         ("walk_into_wall", "speed"): (0.2, 2.2, 1.5),
         ("walk_into_wall", "thickness"): (0.005, 0.1, 0.01),

@@ -207,11 +207,11 @@ def test_another_scene_has_names_of_the_result(tmp_path, body):
     assert not Result.load(tmp_path / "r.npz", scene=Scene()).scene.statics
     other = Scene()
     other.add_static("rock", Plane())
-    with pytest.raises(InputError, match=r"^scene: found 'rock', .*static: 'floor'"):
+    with pytest.raises(InputError, match=r"^scene: found static 'rock', .*static: 'floor'"):
         Result.load(tmp_path / "r.npz", scene=other)
     thrown = Scene()
     thrown.add_object("floor", Sphere(0.1), mass=1.0)  # static in the result
-    with pytest.raises(InputError, match=r"found 'floor', .*objects: none"):
+    with pytest.raises(InputError, match=r"found object 'floor', .*objects: none"):
         Result.load(tmp_path / "r.npz", scene=thrown)
 
 

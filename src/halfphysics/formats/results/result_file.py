@@ -157,13 +157,18 @@ def _check_names(scene: Scene | None, result: Result, path: Path) -> None:
     moving = set(result.objects)
     fixed = set(result.names[: len(result.names) - len(moving) - len(result.people)])
     links = [name for item in scene.articulated.values() for name in item.link_names]
-    others = [name for name in scene.statics if name not in fixed]
-    others += [name for name in (*scene.objects, *links) if name not in moving]
-    if others:
+    statics = [name for name in scene.statics if name not in fixed]
+    objects = [name for name in (*scene.objects, *links) if name not in moving]
+    if statics or objects:
+        found = [
+            f"{kind} {_listed(names)}"
+            for kind, names in (("static", statics), ("object", objects))
+            if names
+        ]
         has = f"static: {_listed(sorted(fixed))}; objects: {_listed(sorted(moving))}"
         raise InputError(
-            f"scene: found {_listed(others)}, which {path} does not have; expected the scene that "
-            f"was simulated, with its names ({has})"
+            f"scene: found {' and '.join(found)}, which {path} does not have; expected the scene "
+            f"that was simulated, with its names ({has})"
         )
 
 

@@ -25,6 +25,7 @@ function listenToDrops(take) {
 }
 
 const LIMIT = 256; // largest file [MB]
+const ROOM = 512; // what the server takes at a time (viewer/guard.py) [MB]
 
 function tooLarge(file) {
   if (file.size <= LIMIT * 2 ** 20) return false;
@@ -34,7 +35,10 @@ function tooLarge(file) {
 
 async function sendToServer(files) {
   if (!wire.upload) return say("A running simulation takes no files. Use: halfphysics play FILE");
-  await upload(files.filter((file) => !tooLarge(file)));
+  let room = ROOM * 2 ** 20;
+  const taken = files.filter((file) => !tooLarge(file) && (room -= file.size) >= 0);
+  if (room < 0) say(`Files of one drop have up to ${ROOM} MB together: drop the rest after these.`, 12);
+  await upload(taken);
 }
 
 /** Whole numbers whose bytes stand apart: the lowest of all numbers, then the second ones, ... */

@@ -335,7 +335,7 @@ def test_a_browser_that_reports_no_camera_is_passed_over(broken):
     strange.camera.position = broken
     seen = cameras(shown, clients=[strange, sound])
     seen._server.initial_camera = SimpleNamespace(position=np.ones(3), look_at=np.zeros(3))
-    first = Camera(np.array([3.0, 3.0, 3.0]), np.zeros(3), 1.0)
+    first = Camera(position=np.array([3.0, 3.0, 3.0]), target=np.zeros(3))
     seen._home = lambda size: first
     seen.following = True
     seen.watch()

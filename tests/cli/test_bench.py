@@ -8,7 +8,7 @@ import subprocess
 import sys
 
 from halfphysics import bench
-from halfphysics.cli import THREADS
+from halfphysics.base.workers import THREADS
 from support.command_line import run
 
 

@@ -47,6 +47,9 @@ def test_box_is_inside_exactly_where_it_says(probes: np.ndarray) -> None:
     expected = (np.abs(probes) < 0.5 * np.asarray(box.size)).all(axis=1)
     assert expected.sum() > 100
     np.testing.assert_array_equal(query.inside(probes), expected)
+    vertices, faces = box.triangles()
+    for facing in (faces, faces[:, ::-1]):
+        np.testing.assert_array_equal(MeshQuery(vertices, facing).enclosed(probes), expected)
     np.testing.assert_array_equal(query.winding(probes), expected.astype(float))
     np.testing.assert_allclose(query.depth(probes), box.depth(probes), atol=1e-12)
 

@@ -62,8 +62,6 @@ MISTAKE, INTERRUPTED = 2, 130
 #: Errors of the system where a stream has no room.
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 
-#: Environment variables from which numpy's libraries read their number of threads.
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 # Commands that let numpy's libraries have one thread: they measure processor time.
 _ONE_THREAD = ("bench",)
 
@@ -143,6 +141,8 @@ def _run(arguments: list[str]) -> int:
         )
     # Before the import of numpy: its libraries read these variables once.
     if name in _ONE_THREAD and "numpy" not in sys.modules:
+        from halfphysics.base.workers import THREADS
+
         os.environ.update(dict.fromkeys(THREADS, "1"))
     from halfphysics.cli.parsing import Exit, parse
 

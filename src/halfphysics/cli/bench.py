@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
-from halfphysics.cli import THREADS
+from halfphysics.base.workers import THREADS
 from halfphysics.cli.options import check_output, progress
 from halfphysics.errors import InputError
 

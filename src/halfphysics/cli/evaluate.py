@@ -16,6 +16,7 @@ from halfphysics.cli.options import (
     SceneOptions,
     check_output,
     progress,
+    refuse_options,
 )
 from halfphysics.errors import InputError
 from halfphysics.formats.loading import GROUND
@@ -60,11 +61,11 @@ class Command:
             inputs = (self.scene.scene, self.person.body, None if model is None else Path(model))
             check_output(self.json, self.file, self.reference, *inputs)
         if is_result(self.file):
-            if self.motion_file != MotionOptions():
-                raise InputError(
-                    f"{self.file}: a result has its own frames. The options for motion files are "
-                    "for motions; leave them out"
-                )
+            why = (
+                "a result has its own frames. The options for motion files are for motions; leave "
+                "them out"
+            )
+            refuse_options(self.file, why, self.motion_file)
             self._result()
             return
         scene = self.scene.load() if self.scene.given else None
@@ -81,20 +82,6 @@ class Command:
         reference = None if self.reference is None else Motion.load(self.reference)
         body = self.person.load(motion)
         print(measures.of_motion(motion, body, scene, reference, progress=progress()))
-
-    def _beside(self, people: Sequence[PersonResult], index: int) -> PersonResult:
-        """One of the people of a result beside the motion of theirs that is compared with."""
-        import dataclasses
-
-        from halfphysics.judging.truths import reference_of
-
-        assert self.reference is not None
-        person = people[index]
-        reference = reference_of(self.reference, person.name, index=index, count=len(people))
-        # What hands were to hold is still the result's.
-        if len(reference) == len(person.motion):
-            reference = dataclasses.replace(reference, holds=person.reference.holds)
-        return dataclasses.replace(person, reference=reference)
 
     def _result(self) -> None:
         import dataclasses
@@ -116,7 +103,7 @@ class Command:
             bodies = [self.person.instead_of(p.body, p.motion) for p in people]
             people = [dataclasses.replace(p, body=b) for p, b in zip(people, bodies, strict=True)]
         if self.reference is not None:
-            people = [self._beside(people, index) for index in range(len(people))]
+            people = [_beside(self.reference, people, k) for k in range(len(people))]
         result = dataclasses.replace(result, people=tuple(people))
         print(result.summary())
         print()
@@ -133,3 +120,17 @@ class Command:
             content = [of_result(result, index) for index in range(len(people))]
             with atomic_write(self.json) as handle:
                 handle.write((json.dumps({"people": content}, indent=1) + "\n").encode())
+
+
+def _beside(path: Path, people: Sequence[PersonResult], index: int) -> PersonResult:
+    """One of the people of a result beside their motion in a file that they are compared with."""
+    import dataclasses
+
+    from halfphysics.judging.truths import reference_of
+
+    person = people[index]
+    reference = reference_of(path, person.name, index=index, count=len(people))
+    # What hands were to hold is still the result's.
+    if len(reference) == len(person.motion):
+        reference = dataclasses.replace(reference, holds=person.reference.holds)
+    return dataclasses.replace(person, reference=reference)

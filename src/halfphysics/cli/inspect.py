@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import tyro
 
-from halfphysics.cli.options import BodyOptions, MotionOptions
+from halfphysics.cli.options import BodyOptions, MotionOptions, refuse_options
+from halfphysics.cli.shown import OF_RESULT
 from halfphysics.cli.wording import spoken
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.motion import skeleton
@@ -107,11 +108,7 @@ class Command:
     def _result(self) -> None:
         from halfphysics.results.result import Result
 
-        if self.motion_file != MotionOptions() or self.person != BodyOptions():
-            raise InputError(
-                f"{self.file}: a result has its own bodies and frames. The options for bodies and "
-                "motion files are for motions; leave them out"
-            )
+        refuse_options(self.file, OF_RESULT, self.motion_file, self.person)
         result = Result.load(self.file)
         print(f"{self.file}: a result of halfphysics simulate")
         print(result.summary())

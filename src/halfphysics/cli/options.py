@@ -141,6 +141,21 @@ class BaselineOptions:
         return settings if self == BaselineOptions() else with_options(settings, chosen)
 
 
+def refuse_options(what: object, why: str, *options: object) -> None:
+    """Refuse options that would have no effect.
+
+    Args:
+        what: What they were given for.
+        why: What it has of its own, what the options are for, and the way out.
+        options: Groups of options, which may say nothing.
+
+    Raises:
+        InputError: One of the groups says something.
+    """
+    if any(group != type(group)() for group in options):
+        raise InputError(f"{what}: {why}")
+
+
 def check_output(path: Path, *inputs: Path | None) -> None:
     """Refuse, before the work, an output file that cannot be written.
 

@@ -14,6 +14,7 @@ from halfphysics.cli.options import (
     SceneOptions,
     check_output,
     progress,
+    refuse_options,
 )
 from halfphysics.cli.outputs import open_page
 from halfphysics.errors import InputError
@@ -134,12 +135,8 @@ class Command:
         return file_path(path)
 
     def _no_options(self, why: str) -> None:
-        given = self.scene != SceneOptions() or self.person != BodyOptions()
-        if given or self.motion_file != MotionOptions():
-            raise InputError(
-                f"page: {why}. The options for scenes, bodies and motion files are for motions; "
-                "leave them out"
-            )
+        why += ". The options for scenes, bodies and motion files are for motions; leave them out"
+        refuse_options("page", why, self.scene, self.person, self.motion_file)
 
 
 def _of_result(result: Result) -> Sequence:

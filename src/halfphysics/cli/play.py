@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from halfphysics.base.suggestions import did_you_mean
-from halfphysics.cli.options import BodyOptions, MotionOptions, SceneOptions
+from halfphysics.cli.options import BodyOptions, MotionOptions, SceneOptions, refuse_options
 from halfphysics.errors import InputError
 
 if TYPE_CHECKING:
@@ -73,12 +73,11 @@ class Command:
         play(catalog, choice, host=self.host, port=self.port)
 
     def _no_options(self, why: str) -> None:
-        given = self.scene != SceneOptions() or self.person != BodyOptions()
-        if given or self.motion_file != MotionOptions():
-            raise InputError(
-                f"play: {why}. The options for scenes, bodies and motion files are for motions: "
-                "give a motion file, or leave them out"
-            )
+        why += (
+            ". The options for scenes, bodies and motion files are for motions: give a motion "
+            "file, or leave them out"
+        )
+        refuse_options("play", why, self.scene, self.person, self.motion_file)
 
     def _sorted(self) -> tuple[list[str], dict[str, Callable[[], Sequence]]]:
         """The scenarios and motion files of the arguments."""

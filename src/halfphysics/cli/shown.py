@@ -6,11 +6,17 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from halfphysics.cli.options import BodyOptions, MotionOptions
-from halfphysics.errors import InputError
+from halfphysics.cli.options import BodyOptions, MotionOptions, refuse_options
 
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
+
+
+#: Why options for motions are refused for a result.
+OF_RESULT = (
+    "a result has its own bodies and frames. The options for bodies and motion files are for "
+    "motions; leave them out"
+)
 
 
 def opened(files: Sequence[Path], motion: MotionOptions, person: BodyOptions) -> list[Result]:
@@ -30,12 +36,8 @@ def opened(files: Sequence[Path], motion: MotionOptions, person: BodyOptions) ->
     from halfphysics.formats.results.result_file import is_result
     from halfphysics.viewer.motions import open_result
 
-    of_motion = motion != type(motion)() or person != BodyOptions()
-    if of_motion and all(map(is_result, files)):
-        raise InputError(
-            f"{files[0]}: a result has its own bodies and frames. The options for bodies and "
-            "motion files are for motions; leave them out"
-        )
+    if all(map(is_result, files)):
+        refuse_options(files[0], OF_RESULT, motion, person)
     own = person == BodyOptions()
     return [
         open_result(path, replace(motion, adapt=False), None if own else person.instead_of)

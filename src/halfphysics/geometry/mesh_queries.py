@@ -183,6 +183,11 @@ class MeshQuery:
             total += self._loose.winding(p, tolerance, threads)
         return total
 
+    def enclosed(self, points: ArrayLike) -> NDArray[np.bool_]:
+        """Whether points (n, 3) are inside, whichever way the faces look (n,)."""
+        result: NDArray[np.bool_] = np.abs(self.winding(points)) > 0.5
+        return result
+
     def inside(self, points: ArrayLike, *, threads: int = 1) -> NDArray[np.bool_]:
         """Whether the winding number of points (n, 3) is over 0.5, (n,)."""
         p = _points(points)

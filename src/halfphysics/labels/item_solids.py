@@ -52,8 +52,7 @@ class Solid:
         local = (points - self.position) @ self.turn
         low, high = self.shape.query.bounds
         found: NDArray[np.bool_] = ((local >= low) & (local <= high)).all(axis=1)
-        # The faces may look inward.
-        found[found] = np.abs(self.shape.query.winding(local[found])) > 0.5
+        found[found] = self.shape.query.enclosed(local[found])
         return found
 
     def add_to(self, item: Any) -> None:

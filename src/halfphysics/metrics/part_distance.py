@@ -148,8 +148,7 @@ class Poses:
         else:
             position, turn = static.position, rot.to_matrix(static.quaternion)[None]
         local = np.einsum("nj,njk->nk", points - position, np.broadcast_to(turn, (len(at), 3, 3)))
-        # Its faces may look inward.
-        return np.asarray(np.abs(mesh.query.winding(local)) > 0.5)
+        return mesh.query.enclosed(local)
 
     def _places(self, name: str, at: NDArray[np.intp]) -> tuple[Array, Array]:
         """Positions (n, 3) and turns (n, 3, 3) of an item; the world frame for a static."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ast
+
 from support.covered_by import COVERED_BY, covering, lines, own_test, sources
 from support.paths import ROOT, TESTS
 
@@ -58,3 +60,12 @@ def test_every_line_of_the_list_is_needed():
 def test_every_test_in_the_list_is_there():
     listed = {test for tests in COVERED_BY.values() for test in tests.split()}
     assert sorted(test for test in listed if not (TESTS / test).is_file()) == []
+
+
+def test_no_test_file_imports_from_another():
+    """What several tests share is in `tests/support`."""
+    for path in TESTS.rglob("*.py"):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        modules = [n.module or "" for n in ast.walk(tree) if isinstance(n, ast.ImportFrom)]
+        found = [m for m in modules if m.rpartition(".")[2].startswith("test_")]
+        assert not found, f"{path.relative_to(TESTS)} imports from {', '.join(found)}"

@@ -13,8 +13,7 @@ from halfphysics.adaptation.hands import SIDES, Hand
 from halfphysics.adaptation.thing import Thing
 from halfphysics.base import rotations as rot
 from halfphysics.results.result import ObjectTrack
-
-from .test_arm_pose import bent, where
+from support.bent_arms import bent, where
 
 #: How deep the forearm is inside [m], half the box's size, and how near the forearm's middle [m]
 #: skin tells its thickness.

@@ -15,8 +15,7 @@ from halfphysics.adaptation.hands import Hand
 from halfphysics.base import rotations as rot
 from halfphysics.body.mjcf_person import to_mjcf
 from halfphysics.motion.skeleton import PARENTS
-
-from .test_arm_pose import bent, where
+from support.bent_arms import bent, where
 
 #: Entries of an inertia matrix [kg m^2]; armatures of fingers are no part of it.
 INERTIA = 1e-6

@@ -14,8 +14,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from native.capi.test_library import c_end, python_end
-from tools.test_wasm_sources import by_wasm
+
+from support.c_example import c_end, python_end
+from support.wasm_core import by_wasm
 
 
 def c_example(frames: int) -> float:

@@ -19,33 +19,13 @@ from halfphysics.cli import COMMANDS
 from halfphysics.formats.loading import GROUND
 from support.as_it_is import as_it_is
 from support.command_line import run
+from support.motion_files import FRAMES, NAN, write_motion
 
-UPRIGHT = [np.pi / 2, 0.0, 0.0]
-FRAMES = 12
 #: The paper's drive, and nothing that it has not (`halfphysics.settings.AS_IT_IS`).
 PAPER = (
     "--drive-time", "None", "--no-weight", "--blocked", "continue", "--root", "stay",
     "--no-joint-limits", "--strength", "None",
 )  # fmt: skip
-
-
-def write_motion(path, frames=FRAMES, **changes):
-    """A T-pose 2 cm above the floor that drifts along x."""
-    poses = np.zeros((frames, 165))
-    poses[:, :3] = UPRIGHT
-    trans = np.zeros((frames, 3))
-    trans[:, 0] = 0.01 * np.arange(frames)
-    trans[:, 2] = 0.94
-    fields = {
-        "trans": trans,
-        "poses": poses,
-        "betas": np.zeros(10),
-        "gender": np.array("neutral"),
-        "mocap_frame_rate": np.array(30.0),
-    }
-    fields |= changes
-    np.savez(path, **{key: value for key, value in fields.items() if value is not None})
-    return path
 
 
 @pytest.fixture
@@ -247,8 +227,6 @@ def test_demo(tmp_path, capsys):
 # -- mistakes ------------------------------------------------------------------------------
 
 SCENE = "statics:\n  wall:\n    shape: box\n    size: [1, 1, 1]\n    postion: [0, 0, 0]\n"
-NAN = np.zeros((FRAMES, 165))
-NAN[3, 5] = np.nan
 
 MISTAKES = {
     "missing file": (["nofile.npz"], r"nofile\.npz: no such file"),

@@ -11,10 +11,10 @@ import warnings
 
 import numpy as np
 import pytest
-from cli.test_cli import NAN, write_motion
 
 import halfphysics as hp
 from support.command_line import run
+from support.motion_files import NAN, write_motion
 from support.python_names import python_names
 
 BALL = "ball=sphere:0.11,mass=0.43"

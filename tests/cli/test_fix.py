@@ -6,13 +6,13 @@ import pickle
 
 import numpy as np
 import pytest
-from repair.test_repair import standing
 
 import halfphysics as hp
 from halfphysics.cli import main
 from support.damage import floating
 from support.files import video_files as files
 from support.files.video_files import Person
+from support.made_clips import standing
 
 
 @pytest.fixture

@@ -6,10 +6,10 @@ import csv
 import json
 
 import pytest
-from metrics.test_judge import walk
 
 import halfphysics as hp
 from halfphysics.cli import main
+from support.made_clips import walk
 
 
 @pytest.fixture

@@ -6,13 +6,13 @@ import csv
 import json
 
 import pytest
-from metrics.test_judge import walk
 
 from halfphysics.cli.judge_tables import COLUMNS, csv_text, json_text, shown_names, text
 from halfphysics.judging.judge import Judged
 from halfphysics.metrics import judge
 from halfphysics.metrics.measures import MEASURES
 from halfphysics.metrics.verdict import Verdict
+from support.made_clips import walk
 
 
 def verdict(**values: float) -> Verdict:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from metrics.test_judge import walk
+
+from support.made_clips import walk
 
 
 @pytest.fixture

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from metrics.test_judge import walk
 
 import halfphysics as hp
 from halfphysics.cli.judge import Options
@@ -15,6 +14,7 @@ from halfphysics.formats.format import Format
 from halfphysics.formats.people import Track
 from halfphysics.judging.judge import Judged, judge_one, judged
 from halfphysics.judging.tasks import Task, tasks_of
+from support.made_clips import walk
 
 
 def test_judge_takes_paths(library):

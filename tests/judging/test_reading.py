@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from metrics.test_judge import walk
 
 import halfphysics as hp
 from halfphysics.cli.judge import Options
 from halfphysics.judging.reading import Files
 from support.files.model_files import fields, write_npz
+from support.made_clips import walk
 
 
 def test_without_a_model_the_body_is_the_files_own_or_the_default():

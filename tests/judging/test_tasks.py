@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from metrics.test_judge import walk
 
 from halfphysics.errors import HalfPhysicsError
 from halfphysics.judging.tasks import tasks_of
+from support.made_clips import walk
 
 
 def test_folders_and_globs_and_files(library):

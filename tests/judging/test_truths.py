@@ -7,7 +7,6 @@ import dataclasses
 import numpy as np
 import pytest
 import trimesh
-from metrics.test_judge import walk
 
 import halfphysics as hp
 from halfphysics.cli.judge import Options
@@ -18,6 +17,7 @@ from halfphysics.judging.judge import judge_one
 from halfphysics.judging.tasks import Task
 from halfphysics.judging.truths import reference_of, truth_of
 from halfphysics.results.object_track import ObjectTrack
+from support.made_clips import walk
 
 #: Files keep float32 [mm].
 EXACT = 1e-2

@@ -10,12 +10,12 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.base import rotations as rot
-from halfphysics.bench.clips import straight
 from halfphysics.labels.bounding_spheres import part_balls
 from halfphysics.labels.item_solids import ItemSolids, Solid, item_solids
 from halfphysics.labels.proximity import Target, near
 from halfphysics.labels.sampling import ObjectSurface, covered
 from halfphysics.results.result import ObjectTrack
+from support.forearms import forearm, wavy
 from support.judges.coal_shapes import coal_shape
 from support.references.labels import near_reference, solid_distance
 
@@ -34,31 +34,6 @@ def _shapes() -> dict[str, hp.Box | hp.Sphere | hp.Capsule | hp.Cylinder | hp.Me
         "cylinder": hp.Cylinder(0.15, 0.4),
         "hull": hp.Mesh(cloud.vertices + 0.02 * rng.normal(size=(8, 3)), cloud.faces).hull,
     }
-
-
-def _arm() -> hp.Body:
-    """A forearm with palm and thumb alone: plain numpy tries every triangle."""
-    body = hp.Body.default()
-    part = part_balls(body).part
-    faces = body.faces[np.isin(part, [18, 20, 37, 38, 39])[body.faces].all(axis=1)]
-    kept, place = np.unique(faces, return_inverse=True)
-    return dataclasses.replace(
-        body,
-        faces=place.reshape(-1, 3).astype(np.int32),
-        weights=body.weights[kept],
-        rest_vertices=body.rest_vertices[kept],
-        mean_vertices=None,
-        mean_joints=None,
-    )
-
-
-def _wavy(frames: int = 6) -> hp.Motion:
-    """A person with all joints bent."""
-    motion = straight(frames / 30.0, 0.3, -0.2)[:frames]
-    rng = np.random.default_rng(3)
-    swing = 0.5 * rng.normal(size=(1, 55, 3)) * np.linspace(0.0, 1.0, len(motion))[:, None, None]
-    swing[:, 0] = 0.0
-    return motion.with_frames(motion.translation, motion.rotations + swing)
 
 
 @pytest.mark.parametrize("name", _shapes())
@@ -88,7 +63,7 @@ def test_distances_of_solids_are_those_of_another_library(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("reach", [0.002, 0.03])
 def test_the_core_finds_what_plain_numpy_finds(reach):
-    body, motion = _arm(), _wavy(2)
+    body, motion = forearm(), wavy(2)
     joints = body.joints(motion)
     scene = hp.Scene()
     scene.add_static("floor", hp.Plane(offset=float(joints[0, 18, 2])))
@@ -128,7 +103,7 @@ def test_the_core_finds_what_plain_numpy_finds(reach):
 
 
 def test_a_part_that_passes_through_is_not_labelled():
-    body, motion = _arm(), _wavy(2)
+    body, motion = forearm(), wavy(2)
     hand = body.joints(motion)[0, 20]
     scene = hp.Scene()
     scene.add_object("ball", hp.Sphere(0.2), mass=1.0, position=hand)
@@ -150,7 +125,7 @@ def test_a_part_that_passes_through_is_not_labelled():
 @pytest.mark.parametrize("shapes", [False, True])
 @pytest.mark.parametrize("kind", ["parts", "clusters"])
 def test_every_face_that_reaches_into_a_group_is_in_its_ball(kind, shapes):
-    body, motion = _arm(), _wavy()
+    body, motion = forearm(), wavy()
     if shapes:
         rng = np.random.default_rng(2)
         posedirs = 0.01 * rng.normal(size=(len(body.rest_vertices), 3, 486))

@@ -15,6 +15,7 @@ from halfphysics.labels.item_solids import item_solids
 from halfphysics.labels.proximity import Target, near
 from halfphysics.labels.sampling import ObjectSurface, covered
 from halfphysics.results.result import ObjectTrack, Result
+from support.forearms import forearm, wavy
 from support.references.labels import near_reference
 
 FOAM = hp.Soft(thickness=0.12, stiffness=3e4)
@@ -73,9 +74,7 @@ def test_all_vertices_of_a_cushion_that_are_inside_the_skin_are_labelled():
 
 @pytest.mark.parametrize("reach", [0.002, 0.03])
 def test_soft_things_are_near_as_plain_numpy_finds(reach):
-    from labels.test_reference import _arm, _wavy
-
-    body, motion = _arm(), _wavy(2)
+    body, motion = forearm(), wavy(2)
     joints = body.joints(motion)
     scene = hp.Scene()
     block = hp.Mesh(*hp.Box((0.3, 0.3, 0.3)).triangles())

@@ -14,21 +14,11 @@ from halfphysics.errors import InputError
 from halfphysics.metrics.kimodo import foot_contacts
 from halfphysics.metrics.measures import MEASURES
 from halfphysics.metrics.world_error import sole_vertices
+from support.made_clips import FRAMES, walk
 from support.point_bodies import Track
 
 #: Sums in another order than in the functions on their own.
 EXACT = 1e-9
-FRAMES = 40
-
-
-def walk(seed: int = 0) -> hp.Motion:
-    """A person who drifts over the floor with noise in all joints."""
-    rng = np.random.default_rng(seed)
-    t = np.linspace(0.0, 1.0, FRAMES)
-    rotations = 0.1 * np.sin(2 * np.pi * (t[:, None, None] + rng.random((55, 3))))
-    rotations[:, 0] = [np.pi / 2, 0.0, 0.0]
-    translation = np.stack([0.5 * t, 0.1 * t**2, 0.93 + 0.02 * np.sin(9 * t)], axis=1)
-    return hp.Motion(translation, rotations, 30.0)
 
 
 def room() -> hp.Scene:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from repair.test_repair import standing
 
 import halfphysics as hp
 from halfphysics.repair.insides import DEEP, insides, told
+from support.made_clips import standing
 
 #: Depths of the same skins measured twice [mm].
 EXACT = 1e-9

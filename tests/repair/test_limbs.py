@@ -6,12 +6,12 @@ import dataclasses
 
 import numpy as np
 import pytest
-from repair.test_repair import standing
 
 import halfphysics as hp
 from halfphysics.base import rotations as rot
 from halfphysics.motion.skeleton import JOINT_INDEX
 from halfphysics.repair import limbs
+from support.made_clips import standing
 from support.real_clips import real_clip
 
 

@@ -4,24 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from repair.test_bearing import room, seated
 
 import halfphysics as hp
 from halfphysics.errors import InputError
 from halfphysics.repair.report import measures
 from support.damage import FLOATING, floating, noisy, sunk
+from support.made_clips import standing
 from support.real_clips import real_clip
+from support.stools import room, seated
 
 #: A clip that floats in all is put down to this [m].
 DOWN = 0.005
-
-
-def standing(frames=40, fps=30.0):
-    """Somebody who stands, upright, on the floor, with arms a little out."""
-    turns = np.zeros((frames, 55, 3))
-    turns[:, 0, 0] = np.pi / 2
-    turns[:, 16, 2], turns[:, 17, 2] = -0.8, 0.8
-    return hp.Motion(np.zeros((frames, 3)), turns, fps).grounded(hp.Body.default(), 0.003)
 
 
 def lowest(motion):

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from repair.test_repair import standing
 
 import halfphysics as hp
 from halfphysics.repair.report import measures
 from support.damage import floating
+from support.made_clips import standing
 
 EXACT = 1e-12
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from repair.test_ground_fit import FPS, walked
 
 import halfphysics as hp
 from halfphysics.repair.sliding import common_slide, without_slide
 from halfphysics.repair.soles import Soles
+from support.walked_soles import FPS, walked
 
 #: Velocity is met to this [m/s].
 SPEED = 1e-3

@@ -5,10 +5,10 @@ from __future__ import annotations
 import warnings
 
 import pytest
-from geometry.test_room_check import ROOMS, y_up
 
 import halfphysics as hp
 from halfphysics.geometry.mesh_files import turned
+from support.boxed_rooms import ROOMS, y_up
 from support.command_line import run
 
 

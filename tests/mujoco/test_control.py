@@ -272,6 +272,36 @@ def test_state_resumes_bit_for_bit():
         np.testing.assert_array_equal(qvel, qvel0)
 
 
+@pytest.mark.parametrize("kind", ["mjSTATE_FULLPHYSICS", "mjSTATE_INTEGRATION"])
+def test_a_state_leaves_no_force_of_what_came_after_it(kind):
+    """MuJoCo's smaller states do not have `xfrc_applied`: forces of now are taken back then."""
+    model, data, control, pose = thrown("skin")
+    own = np.array([0.0, 0.25, 0.0, 0.0, 0.0, 0.0])
+    body = model.body("ball").id
+    data.xfrc_applied[body] = own
+    while not len(control.contact):
+        control.step(pose)
+    what = getattr(mujoco.mjtState, kind)
+    kept, world = control.get_state(), np.empty(mujoco.mj_stateSize(model, what))
+    mujoco.mj_getState(model, data, world, what)
+
+    def go_on(steps: int) -> np.ndarray:
+        path = []
+        for _ in range(steps):
+            control.step(pose)
+            path.append(np.concatenate([data.qpos, data.qvel]))
+        return np.array(path)
+
+    first = go_on(3)
+    assert np.abs(data.xfrc_applied[body] - own).max() > 1.0
+    mujoco.mj_setState(model, data, world, what)
+    control.set_state(kept)
+    np.testing.assert_array_equal(go_on(3), first)
+    go_on(60)
+    assert not len(control.contact)
+    np.testing.assert_array_equal(data.xfrc_applied[body], own)
+
+
 def test_firmness_and_torques_are_those_of_our_own_world():
     """A wall that a person walks into, once as a MuJoCo geom and once as a static of a scene."""
     story = hp.scenarios.load("walk_into_wall")

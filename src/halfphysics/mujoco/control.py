@@ -226,9 +226,22 @@ class Control(Bound):
         except ValueError as error:
             raise InputError(f"set_state: {error}; {expected}") from None
         self._stiffness = self._stiffness_from_core()
-        self._world.set_forces(forces)
+        self._change_forces(forces)
         self._world.show()
         self._started = True
+
+    def _change_forces(self, forces: Array) -> None:
+        """Have the forces of a state among the world's, in place of people's forces of now.
+
+        Which of the two `data.xfrc_applied` has depends on the user: some of MuJoCo's states bring
+        those of then along, others leave those of now. What is of now is taken back.
+        """
+        applied = self._data.xfrc_applied
+        there = applied.copy()
+        self._world.start()
+        for body, then in zip(forces[:, 0].astype(int), forces[:, 7:], strict=True):
+            applied[body] = np.where(there[body] == then, then, applied[body])
+        self._world.set_forces(forces)
 
     def _signature(self) -> float:
         """Differs where geoms or people do."""

@@ -82,3 +82,31 @@ def test_rays_meet_the_person_where_it_is(contact):
 def start_of(name: str, pose: hp.Pose) -> np.ndarray:
     body = hp.Body.default()
     return body.joints(pose)[hp.JOINT_NAMES.index(name)]
+
+
+def test_a_default_class_of_the_spec_does_not_change_the_person():
+    """A robot's file may say that its meshes are in millimetres, and turn its geoms."""
+    floor = '<worldbody><geom type="plane" size="1 1 1"/></worldbody>'
+    default = '<default><mesh scale="2 0.1 3" maxhullvert="6"/><geom euler="1 2 3"/></default>'
+    found = []
+    for text in (floor, default + floor):
+        spec = mujoco.MjSpec.from_string(f"<mujoco>{text}</mujoco>")
+        hp.attach(spec)
+        model = spec.compile()
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        found.append((model.mesh_vert.copy(), data.geom_xpos[1:].copy(), data.geom_xmat[1:].copy()))
+    for plain, changed in zip(*found, strict=True):
+        np.testing.assert_array_equal(changed, plain)
+
+
+@pytest.mark.parametrize("discard", [False, True])
+def test_a_person_whose_geoms_the_compiler_discards_is_warned_of(discard, recwarn):
+    spec = spec_of(x=3.0)
+    spec.compiler.discardvisual = discard
+    human = hp.attach(spec)
+    model = spec.compile()
+    human.bind(model, mujoco.MjData(model))
+    said = [str(w.message) for w in recwarn if "discardvisual = False" in str(w.message)]
+    assert len(said) == discard
+    assert not discard or "'human/'" in said[0]

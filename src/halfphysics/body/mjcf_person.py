@@ -115,19 +115,25 @@ def _add_geom(spec: Any, body: Any, part: Part, name: str, contype: int, conaffi
 
     if not len(part.vertices):
         return
+    # The spec may be somebody's whose default class scales or moves meshes and geoms.
     spec.add_mesh(
         name=name,
         uservert=part.vertices.ravel(),
+        scale=np.ones(3),
+        maxhullvert=-1,
         inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX,
     )
-    body.add_geom(
+    geom = body.add_geom(
         name=name,
         type=mujoco.mjtGeom.mjGEOM_MESH,
         meshname=name,
+        pos=np.zeros(3),
+        quat=(1.0, 0.0, 0.0, 0.0),
         rgba=part_color(part.index),
         contype=contype,
         conaffinity=conaffinity,
     )
+    geom.alt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
 
 
 def to_mjcf(

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from halfphysics.errors import HalfPhysicsWarning, InputError
+from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.mujoco.attach import Human
 from halfphysics.mujoco.control import Control
 from halfphysics.settings import Settings
@@ -47,7 +48,23 @@ def bound(model: Any, data: Any, humans: Sequence[Human], settings: Settings | N
             HalfPhysicsWarning,
             stacklevel=3,
         )
-    return Control(model, data, humans, settings)
+    control = Control(model, data, humans, settings)
+    unseen = [h.prefix for h in humans if not model.body_geomnum[_part(model, h)]]
+    if unseen:
+        warnings.warn(
+            f"bind: the compiler has discarded the geoms of {', '.join(map(repr, unseen))}: they "
+            "push and are pushed, but cameras and rangefinders do not see them, and "
+            "Control.contact has -1 for their parts. Set spec.compiler.discardvisual = False "
+            "before compile() (it is on for URDF)",
+            HalfPhysicsWarning,
+            stacklevel=3,
+        )
+    return control
+
+
+def _part(model: Any, human: Human) -> int:
+    """The body of a person's pelvis, which has a geom."""
+    return int(model.body(f"{human.prefix}{JOINT_NAMES[0]}").id)
 
 
 def _check_settings(settings: Settings) -> None:

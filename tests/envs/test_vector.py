@@ -3,7 +3,7 @@
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.vector import AutoresetMode
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import halfphysics.envs  # noqa: F401 - registers
 from halfphysics.envs import policies
@@ -92,6 +92,37 @@ def test_in_the_same_step_if_wanted():
     assert not env.step(act)[3].any()
 
 
+def known(info, i):
+    """What a vector environment's info says of episode i, by gymnasium's masks."""
+    of = {name: value for name, value in info.items() if f"_{name}" in info and info[f"_{name}"][i]}
+    return {
+        name: known(value, i) if isinstance(value, dict) else np.asarray(value[i]).tolist()
+        for name, value in of.items()
+    }
+
+
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+def test_infos_say_of_each_episode_what_those_of_gymnasium_do(mode):
+    """One of two episodes begins a step later, so that they end apart."""
+    name, steps = "halfphysics/Corridor-v0", 3
+    ours = gymnasium.make_vec(name, 2, threads=1, steps=steps, autoreset_mode=mode)
+    theirs = SyncVectorEnv([lambda: gymnasium.make(name, steps=steps)] * 2, autoreset_mode=mode)
+    act = np.full((2, 2), 0.4, dtype=np.float32)
+    for env in (ours, theirs):
+        env.reset(seed=2)
+        env.step(act)
+    ours.reset(options={"reset_mask": np.array([True, False])})
+    theirs.envs[0].reset()
+    ends = []
+    for _ in range(5):
+        found, expected = ours.step(act), theirs.step(act)
+        for i in range(2):
+            assert known(found[4], i) == known(expected[4], i)
+        ends.append(found[3].tolist())
+    assert [False, True] in ends
+    assert [True, False] in ends
+
+
 def test_some_of_them_begin_by_a_mask():
     env = gymnasium.make_vec(
         "halfphysics/HandOver-v0", 2, threads=1, steps=2, autoreset_mode=AutoresetMode.DISABLED
@@ -133,6 +164,8 @@ def test_mistakes():
         env.reset(options={"reset_mask": np.array([1, 0])})
     with pytest.raises(InputError, match="'reset_mask' only"):
         env.reset(options={"mode": 1})
+    with pytest.raises(InputError, match="options: found 5, expected a dict"):
+        env.reset(options=5)
     env.reset(seed=0)
     with pytest.raises(InputError, match="step: action"):
         env.step(np.zeros((3, 4)))

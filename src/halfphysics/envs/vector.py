@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,8 @@ _vector = optional("gymnasium.vector", "environments", "rl")
 _Env: Any = _vector.VectorEnv
 _utils = optional("gymnasium.vector.utils", "environments", "rl")
 AutoresetMode = _vector.AutoresetMode
+
+Array = NDArray[np.float64]
 
 
 class VectorEnv(_Env):  # type: ignore[misc]
@@ -126,15 +128,12 @@ class VectorEnv(_Env):  # type: ignore[misc]
             which = ", ".join(map(str, np.flatnonzero(again)[:8]))
             raise InputError(f"step: episodes {which} are over, or have not begun; call reset()")
         outcome, late = task.step(given)
-        ended = outcome.ended & ~again
-        info = {name: np.where(again, 0.0, values) for name, values in outcome.info.items()}
-        info |= {f"_{name}": ~again for name in outcome.info}
+        ended, reward = outcome.ended & ~again, np.where(again, 0.0, outcome.reward)
+        final: dict[str, Any] = {}
         if self._mode is AutoresetMode.SAME_STEP and task.over.any():
-            info |= self._final(info)
             again = task.over.copy()
-            reward = outcome.reward
-        else:
-            reward = np.where(again, 0.0, outcome.reward)
+            final = self._final(outcome.info, again)
+        info = _told(outcome.info, ~again) | final
         for i in np.flatnonzero(again):
             task.begin(int(i))
         return task.observe(), reward, ended, late, info
@@ -147,16 +146,17 @@ class VectorEnv(_Env):  # type: ignore[misc]
 
     # -- inside ----------------------------------------------------------------------------
 
-    def _final(self, info: dict[str, Any]) -> dict[str, Any]:
+    def _final(self, info: Mapping[str, Array], over: NDArray[np.bool_]) -> dict[str, Any]:
         """What gymnasium wants to know of episodes that end and begin in one step."""
-        over, seen = self.task.over.copy(), self.task.observe()
-        last = np.full(self.num_envs, None, dtype=object)
+        seen, last = self.task.observe(), np.full(self.num_envs, None, dtype=object)
         for i in np.flatnonzero(over):
             last[i] = seen[i]
-        ends = {name: np.array(values) for name, values in info.items()}
+        ends = _told(info, over)
         return {"final_obs": last, "_final_obs": over, "final_info": ends, "_final_info": over}
 
     def _mask(self, options: dict[str, Any] | None) -> NDArray[np.bool_]:
+        if not isinstance(options, Mapping | None):
+            raise InputError(f"reset: options: found {shown(options)}, expected a dict or None")
         given = dict(options or {})
         mask = np.asarray(given.pop("reset_mask", np.ones(self.num_envs, dtype=bool)))
         if given:
@@ -180,3 +180,9 @@ class VectorEnv(_Env):  # type: ignore[misc]
                 f"{self.num_envs} of them"
             )
         return [None if s is None else int(s) for s in seeds]
+
+
+def _told(info: Mapping[str, Array], of: NDArray[np.bool_]) -> dict[str, Any]:
+    """Numbers (N,) of some episodes as gymnasium has them: 0 and not marked where of the others."""
+    told = {name: np.where(of, values, 0.0) for name, values in info.items()}
+    return told | {f"_{name}": of.copy() for name in info}

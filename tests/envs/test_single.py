@@ -1,5 +1,7 @@
 """The face of gymnasium.make: its checker, seeds, pictures, mistakes."""
 
+import copy
+import pickle
 import subprocess
 import sys
 import warnings
@@ -10,6 +12,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import halfphysics.envs
+from halfphysics.envs import policies
 from halfphysics.envs.tasks import names
 from halfphysics.errors import InputError
 
@@ -37,6 +40,40 @@ def test_the_same_seed_is_the_same_episode(task):
     first = run(env, 3)
     assert run(env, 4) != first
     assert run(env, 3) == first
+
+
+#: Steps into an episode after which the person walks; in HandOver it holds the cup before.
+UNDER_WAY = 60
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
+@pytest.mark.parametrize("task", names())
+def test_a_copy_goes_on_by_itself(task, copied):
+    """The same bits as the original, in the middle of an episode and in the one after it."""
+    env, policy = gymnasium.make(f"halfphysics/{task}-v0").unwrapped, policies.scripted(task)
+    seen, _ = env.reset(seed=3)
+    for _ in range(UNDER_WAY):
+        if not env.task.worlds.holds(0, "cup"):
+            seen = env.step(policy(seen[None])[0])[0]
+    assert env.task.worlds.holds(0, "cup") == (task == "HandOver")
+    other = copied(env)
+    first = []
+    while len(first) < 10 and not env.task.over[0]:
+        first.append((policy(seen[None])[0], env.step(policy(seen[None])[0])))
+        seen = first[-1][1][0]
+    for action, expected in first:
+        found = other.step(action)
+        np.testing.assert_array_equal(found[0], expected[0])
+        assert found[1:] == expected[1:]
+    np.testing.assert_array_equal(other.reset()[0], env.reset()[0])
+
+
+def test_seeds_of_numpy_are_seeds():
+    env = gymnasium.make("halfphysics/Corridor-v0").unwrapped
+    np.testing.assert_array_equal(env.reset(seed=np.int64(3))[0], env.reset(seed=3)[0])
+    for seed in (-1, 1.5, "a", True):
+        with pytest.raises(InputError, match="seed: found"):
+            env.reset(seed=seed)
 
 
 def test_without_a_seed_chance_goes_on():

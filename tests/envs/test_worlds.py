@@ -1,5 +1,7 @@
 """Worlds side by side equal simulators, each for itself."""
 
+import copy
+
 import numpy as np
 import pytest
 
@@ -82,6 +84,32 @@ def test_an_object_is_held_until_the_world_starts_again(motion):
     assert worlds.place("ball")[0, :3] == pytest.approx(place[:3], abs=0.02)  # it does not fall
     worlds.start(0, [motion[0]])
     assert not worlds.holds(0, "ball")
+
+
+def test_copied_worlds_have_what_was_seen_and_go_on(motion):
+    """Contacts of the last frame, holds, motors: all bits."""
+    worlds = Worlds(plan(), 2, dt=DT)
+    for i in range(2):
+        worlds.start(i, [motion[0]], None, {"ball": ((3.0, 3.0, 0.1), (1, 0, 0, 0))})
+    targets = np.tile(worlds.coordinates([motion[1]]), (2, 1))
+    rests = np.full((2, 6), 0.02)
+    worlds.step(targets, rests)
+    worlds.attach(1, "ball", "head")
+    other = copy.deepcopy(worlds)
+    assert other.holds(1, "ball")
+    assert not other.holds(0, "ball")
+    for _ in range(3):
+        for i in range(2):
+            mine, theirs = worlds.contacts(i), other.contacts(i)
+            assert i or len(mine.part)
+            np.testing.assert_array_equal(theirs.impulse, mine.impulse)
+            np.testing.assert_array_equal(theirs.other, mine.other)
+            pose, same = worlds.person_pose(i), other.person_pose(i)
+            np.testing.assert_array_equal(same.rotations, pose.rotations)
+        for seen in ("poses", "motors", "impulses"):
+            np.testing.assert_array_equal(getattr(other, seen), getattr(worlds, seen))
+        worlds.step(targets, rests, np.array([True, False]))
+        other.step(targets, rests, np.array([True, False]))
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from halfphysics.base.optional_package import optional
 from halfphysics.base.validation import shown
 from halfphysics.envs.channels import checked_actions
 from halfphysics.envs.pictures import SIZE, checked_size, picture
+from halfphysics.envs.task import checked_seed
 from halfphysics.envs.tasks import task_class
 from halfphysics.errors import InputError
 
@@ -55,7 +56,11 @@ class SingleEnv(_Env):  # type: ignore[misc]
         """Begin an episode. The same seed begins the same one; without a seed chance goes on.
 
         `options` change nothing: no task has any.
+
+        Raises:
+            InputError: A seed that is no whole number from 0 on.
         """
+        seed = None if seed is None else checked_seed(seed)
         super().reset(seed=seed)
         if seed is not None:
             self.task.seed(0, seed)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -51,6 +51,10 @@ def add_walls(scene: Scene, size: tuple[float, float, float], y: float) -> None:
     """Two walls on the floor, `left_wall` and `right_wall`, with their middles at y and -y [m]."""
     for name, side in (("left_wall", y), ("right_wall", -y)):
         scene.add_static(name, Box(size), position=(0.0, side, 0.5 * size[2]))
+
+
+#: The arrays of `Worlds`: what is seen of them, and what was told.
+_SEEN = ("poses", "motors", "impulses", "_rests", "_fresh")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,7 +107,7 @@ class Worlds:
         settings: Settings | None = None,
         threads: int = 1,
     ) -> None:
-        self.plan, self.count, self.dt = plan, count, dt
+        self.plan, self.count, self.dt, self._threads = plan, count, dt, threads
         self.settings = Settings() if settings is None else settings
         self._substeps = self.settings.substeps_for(dt)
         self._first = [build_world(plan.bodies, plan.scene, self.settings) for _ in range(count)]
@@ -117,6 +121,8 @@ class Worlds:
         self.motors = np.zeros((count, 2, motors))
         self.impulses = np.zeros((count, groups, groups, 4))
         self._rests, self._fresh = np.zeros((count, motors)), np.ones(count, dtype=bool)
+        #: Of copied worlds, until they move: the contacts of the frame before they were copied.
+        self._before: dict[int, ContactRows] = {}
         for i in range(count):
             self._put(i)
 
@@ -166,6 +172,7 @@ class Worlds:
             qpos[at.qpos + 3 : at.qpos + 7] = quat
         world.stepper.reset(qpos, qvel)
         self._fresh[i] = True
+        self._before.pop(i, None)
         usual = np.tile(world.stiffness, (len(poses), 1))
         world.stepper.set_stiffness(world.stiffness_to_core(usual))
         self._look(i)
@@ -183,6 +190,7 @@ class Worlds:
         self._frame(every, targets, rests, rates, self._substeps)
         self._rests = np.where(every[:, None], rests, self._rests)
         self._fresh = self._fresh & ~every
+        self._before = {i: rows for i, rows in self._before.items() if not every[i]}
 
     def attach(self, i: int, name: str, part: str, person: int = 0) -> None:
         """Tie an object to a part of a person where it is now (`Simulator.attach`), until the
@@ -224,6 +232,8 @@ class Worlds:
     def contacts(self, i: int) -> ContactRows:
         """The contacts of world `i` in its last frame."""
         world = self._now[i]
+        if i in self._before:
+            return self._before[i]
         return contact_rows(world, world.stepper.touches())[0]
 
     def person_pose(self, i: int, person: int = 0) -> Pose:
@@ -241,6 +251,27 @@ class Worlds:
         )
         poses = {place.name: place.pose(qpos) for place in world.tracked}
         return Moment(people=people, scene=world.made_of, objects=tracks(poses))
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For copies and other processes: what the worlds are made of, and their states."""
+        return {
+            "made": (self.plan, self.count, self.dt, self.settings, self._threads),
+            "held": [dict(world.held) for world in self._now],
+            "states": [world.stepper.save().tobytes() for world in self._now],
+            "contacts": [self.contacts(i) for i in range(self.count)],
+            "seen": {name: getattr(self, name) for name in _SEEN},
+        }
+
+    def __setstate__(self, given: dict[str, Any]) -> None:
+        plan, count, dt, settings, threads = given["made"]
+        Worlds.__init__(self, plan, count, dt=dt, settings=settings, threads=threads)
+        for i, (held, state) in enumerate(zip(given["held"], given["states"], strict=True)):
+            if held:
+                self._now[i] = build_world(plan.bodies, plan.scene, self.settings, held)
+                self._put(i)
+            self._now[i].stepper.load(np.frombuffer(state))
+        self._before = dict(enumerate(given["contacts"]))
+        vars(self).update(given["seen"])
 
     # -- inside ----------------------------------------------------------------------------
 

@@ -187,6 +187,11 @@ def test_scene_and_result_files(body, tmp_path, suffix):
         ("<mujoco><worldbody><geom size='.1'/></worldbody></mujoco>", {}, "no joints"),
         (DOOR.replace('"sphere"', '"plane"'), {}, "plane"),
         ("<scene/>", {}, "found <scene>"),
+        (
+            '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arm side="left"/></robot>',
+            {},
+            "found <xacro:arm>.*expand it",
+        ),
         ("<mujoco", {}, "not XML"),
         ('<mujoco><include file="a.xml"/></mujoco>', {}, "no folder"),
         ("<!DOCTYPE a><mujoco/>", {}, "entities"),
@@ -228,6 +233,7 @@ def test_what_plays_no_part_is_said():
     ("more", "said"),
     [
         ('<keyframe><key qpos="0.3"/></keyframe>', "1 keyframes ignored"),
+        ('<equality><joint joint1="hinge"/></equality>', r"1 equality .*mimic joints\) ignored"),
         ('<worldbody><body mocap="true"/></worldbody>', "1 mocap bodies, which stand still"),
         ('<option gravity="0 0 -1.62"/>', r"gravity \(0\.0, 0\.0, -1\.62\) m/s\^2 ignored"),
     ],

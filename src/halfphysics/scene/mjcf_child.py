@@ -4,7 +4,8 @@ MuJoCo's parser trusts its files: one that attaches itself overflows the stack a
 along, one that copies copies fills the memory. `mjcf_process` starts this script and reads the
 answer.
 
-Standard input: JSON with `path` or `xml`, and `urdf`. Standard output: a line of JSON with `error`
+Standard input: JSON with `path` or `xml`, `urdf`, and `files`: name -> path of meshes that MuJoCo
+itself would not find. Standard output: a line of JSON with `error`
 or with names and counts, then an npz archive of the arrays of the compiled model.
 """
 
@@ -71,6 +72,11 @@ def read(request: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
         return {"error": str(error), "in": "read"}, {}
     if request["urdf"]:
         complete_urdf(mujoco, spec)
+    files = request.get("files", {})
+    if files:
+        spec.strippath = False
+    for mesh in spec.meshes:
+        mesh.file = files.get(mesh.file, mesh.file)
     try:
         return contents(spec.compile())
     except (ValueError, RuntimeError) as error:

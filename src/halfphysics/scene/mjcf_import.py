@@ -6,7 +6,7 @@ import contextlib
 import hashlib
 import os
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -22,6 +22,7 @@ from halfphysics.geometry.shape_base import Shape
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Sphere
 from halfphysics.scene.articulated import SIZES, Articulated, Link, LinkGeom, LinkJoint
 from halfphysics.scene.mjcf_process import CompiledModel, compiled, of_spec
+from halfphysics.scene.package_paths import package_files
 
 #: Name of the link for geoms that belong to no body.
 WORLD = "world"
@@ -78,6 +79,8 @@ def _model(what: str, source: Any) -> tuple[CompiledModel, dict[str, Any]]:
     text = source.decode() if isinstance(source, bytes) else source
     if isinstance(text, str) and text.lstrip().startswith("<"):
         root = _checked_xml(what, text, None)
+        if root.tag == "robot":
+            package_files(what, root, None)
         return compiled(what, {"xml": text, "urdf": root.tag == "robot"}), {"xml": text}
     if not isinstance(text, str | os.PathLike):
         raise InputError(f"{what}: found {shown(source)} as source, expected {_SOURCES}")
@@ -94,10 +97,13 @@ def _model(what: str, source: Any) -> tuple[CompiledModel, dict[str, Any]]:
         root = _checked_xml(what, content.decode(), path)
     except UnicodeDecodeError:
         raise FileError(f"{what}: {path}: found no text, expected {_SOURCES}") from None
+    folder, urdf = path.resolve().parent, root.tag == "robot"
+    packed = package_files(what, root, folder) if urdf else {}
+    _check_files(f"{what}: {path}", [Path(p) for p in packed.values()])
     model = compiled(
         what,
-        {"path": str(path), "urdf": root.tag == "robot"},
-        assets=_asset_bytes(root, path.resolve().parent),
+        {"path": str(path), "urdf": urdf, "files": dict(packed)},
+        assets=_asset_bytes([*_named_files(root, folder), *map(Path, packed.values())]),
     )
     digest = hashlib.sha256(content).hexdigest()
     return model, {"source": MeshSource(path=str(path.resolve()), sha256=digest)}
@@ -128,9 +134,10 @@ def _checked_xml(what: str, text: str, path: Path | None, folder: Path | None = 
         raise InputError(f"{where}: found <{root.tag}>, expected <mujoco> (MJCF) or <robot> (URDF)")
     base = folder if folder is not None else None if path is None else path.resolve().parent
     _check_size(where, root)
-    _check_files(where, root, base)
+    _check_files(where, _named_files(root, base))
     _check_includes(what, where, root, base, [])
     if root.tag == "robot":
+        _check_expanded(where, root)
         _check_masses(what, root)
     return root
 
@@ -144,9 +151,9 @@ def _check_size(where: str, root: Any) -> None:
         )
 
 
-def _check_files(where: str, root: Any, base: Path | None) -> None:
+def _check_files(where: str, paths: Iterable[Path]) -> None:
     """Meshes and textures that it names are files: reading a pipe or a device never ends."""
-    for path in _named_files(root, base):
+    for path in paths:
         if _is_no_file(path):
             raise InputError(
                 f"{where}: {path.name!r} is a pipe, a device or a folder, expected a file"
@@ -165,10 +172,10 @@ def _named_files(root: Any, base: Path | None) -> list[Path]:
     return [folder / name for folder in folders for n in names for name in (n, Path(n).name)]
 
 
-def _asset_bytes(root: Any, base: Path) -> int:
+def _asset_bytes(paths: Iterable[Path]) -> int:
     """Size of the meshes and textures that a model names [bytes]."""
     total = 0
-    for path in {*_named_files(root, base)}:
+    for path in set(paths):
         with contextlib.suppress(OSError, ValueError):
             total += path.stat().st_size
     return total
@@ -208,6 +215,16 @@ def _check_includes(what: str, where: str, root: Any, base: Path | None, seen: l
         except ElementTree.ParseError as error:
             raise InputError(f"{where}: the included file {target} is not XML ({error})") from None
         _check_includes(what, where, child, base, seen)
+
+
+def _check_expanded(where: str, root: Any) -> None:
+    """Macros of ROS are not URDF: what they say would be missing."""
+    macro = next((e for e in root.iter() if "xacro}" in str(e.tag)), None)
+    if macro is not None:
+        raise InputError(
+            f"{where}: found <xacro:{macro.tag.partition('}')[2]}>, expected URDF without macros; "
+            "expand it first: xacro robot.urdf.xacro > robot.urdf"
+        )
 
 
 def _check_masses(what: str, root: Any) -> None:
@@ -376,7 +393,7 @@ def _warn_of_ignored(what: str, model: Any) -> None:
     counts = {
         "actuators": model.nu,
         "tendons": model.ntendon,
-        "equality constraints": model.neq,
+        "equality constraints (in URDF: mimic joints)": model.neq,
         "flexible bodies": model.nflex,
         "mocap bodies, which stand still here,": model.nmocap,
         "keyframes": model.nkey,

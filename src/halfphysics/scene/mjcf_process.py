@@ -51,7 +51,7 @@ def compiled(what: str, source: dict[str, Any], *, assets: int = 0) -> CompiledM
 
     Args:
         what: Name for messages.
-        source: `path` or `xml`, and `urdf`: whether it is URDF.
+        source: `path` or `xml`, `urdf`: whether it is URDF, and `files`: see `mjcf_child`.
         assets: Bytes of the meshes and textures that it names.
 
     Raises:

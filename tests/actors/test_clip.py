@@ -94,6 +94,10 @@ def test_impossible_clips_are_refused(walk):
         Clip(walk, body(), speed=0.0)
     with pytest.raises(hp.errors.InputError, match="Clip: place: expected 2 finite numbers"):
         Clip(walk, body(), place=(0, 0, 0))
+    with pytest.raises(hp.errors.InputError, match=r"motion: found 'walk\.npz', expected"):
+        Clip("walk.npz", body())
+    with pytest.raises(hp.errors.InputError, match=r"body: found 1\.8, expected"):
+        Clip(walk, 1.8)
 
 
 def test_a_reset_forgets_where_it_was_put(walk):

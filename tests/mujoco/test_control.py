@@ -294,8 +294,12 @@ def test_a_state_leaves_no_force_of_what_came_after_it(kind):
 
     first = go_on(3)
     assert np.abs(data.xfrc_applied[body] - own).max() > 1.0
+    assert control.torques.any()
     mujoco.mj_setState(model, data, world, what)
     control.set_state(kept)
+    assert not len(control.contact)
+    assert not len(control.contacts.part)
+    assert not control.torques.any()
     np.testing.assert_array_equal(go_on(3), first)
     go_on(60)
     assert not len(control.contact)
@@ -358,9 +362,10 @@ def test_mistakes_say_what_was_expected():
         control.reset(np.zeros(165))
     with pytest.warns(HalfPhysicsWarning, match="inside upper"):  # of this spec's arm
         control.reset(t_pose())
-    for wrong in (0.0, -1.0 / 30.0, np.nan, np.inf, "1/30"):
+    for wrong in (0.0, -1.0 / 30.0, np.nan, np.inf, "1/30", True):
         with pytest.raises(InputError, match=r"step: dt: found .*, expected a time above 0"):
             control.step(t_pose(), dt=wrong)
+    control.step(t_pose(), dt=np.array(0.01))  # a number of any library
     with pytest.raises(InputError, match="expected one that get_state gave"):
         control.set_state(control.get_state()[:-8])
     with pytest.raises(InputError, match="found nobody, expected people of different prefixes"):

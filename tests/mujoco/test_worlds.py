@@ -76,6 +76,12 @@ def test_mistakes_leave_all_worlds_as_they_are():
         hp.step_worlds([first, second], [pose])
     with pytest.raises(InputError, match="two controls of one MjData"):
         hp.step_worlds([first, first], [pose, pose])
+    with pytest.raises(InputError, match="controls: found Control, expected a list"):
+        hp.step_worlds(first, [pose])
+    with pytest.raises(InputError, match="poses: found Pose, expected a list"):
+        hp.step_worlds([first, second], pose)
+    with pytest.raises(InputError, match="found True, expected 1 or more"):
+        hp.step_worlds([first], [pose], threads=True)
     with pytest.raises(InputError, match="found 0, expected 1 or more"):
         hp.step_worlds([first], [pose], threads=0)
     with pytest.raises(InputError, match="found str, expected what bind returned"):
@@ -92,5 +98,5 @@ def test_mistakes_leave_all_worlds_as_they_are():
         mujoco.set_mjcb_control(None)
     assert data.time == 0.0
     hp.step_worlds([], [])
-    hp.step_worlds([first, second], [pose, [pose]])
+    hp.step_worlds([first, second], [pose, [pose]], threads=np.int64(2))
     assert data.time == 0.002

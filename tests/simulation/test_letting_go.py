@@ -254,6 +254,7 @@ def test_a_ray_and_a_velocity_find_it(body):
         (lambda s: s.attach("wall"), "no object called 'wall'"),
         (lambda s: s.attach("stick", "hand"), "part: found 'hand', expected a joint's name"),
         (lambda s: s.attach("stick", "right_writs"), "did you mean 'right_wrist'"),
+        (lambda s: s.attach("stick", "right_hand"), "did you mean 'right_wrist'"),
         (lambda s: s.attach("stick", 3), "part: found 3"),
         (lambda s: s.attach("stick", person=1), "person: found 1, expected 0 to 0"),
         (lambda s: s.attach("stick", person=-1), "person: found -1"),

@@ -206,6 +206,12 @@ def test_states_fit_and_old_frames_keep_their_names():
     assert any(len(f.contacts.part) for f in first)  # the brick fell on the head
 
 
+DOOR = """
+<mujoco><worldbody><body name="leaf"><joint type="hinge" axis="0 0 1"/>
+<geom type="box" size="0.4 0.02 1" mass="20"/></body></worldbody></mujoco>
+"""
+
+
 @pytest.mark.parametrize(
     ("do", "says"),
     [
@@ -215,6 +221,9 @@ def test_states_fit_and_old_frames_keep_their_names():
         (lambda s: s.set_velocity("crate", (0, 0, np.nan)), "velocity"),
         (lambda s: s.set_velocity("lift", (0, 0, 1)), "trajectory"),
         (lambda s: s.remove_object("wall"), "no object called 'wall'"),
+        (lambda s: s.velocity("door/leaf"), "velocity: 'door/leaf' is articulated"),
+        (lambda s: s.apply_impulse("door/leaf", (0, 0, 1)), "'door/leaf' is articulated"),
+        (lambda s: s.remove_object("door"), "remove_object: 'door' is articulated"),
         (lambda s: s.add_object("crate", Sphere(1), mass=1), "already"),
         (lambda s: s.add_object("new", Sphere(1)), "mass="),
     ],
@@ -222,6 +231,7 @@ def test_states_fit_and_old_frames_keep_their_names():
 def test_what_is_wrong_is_said_and_changes_nothing(do, says):
     scene = crate()
     scene.add_moving("lift", Box((1, 1, 1)), [[9, 9, 9]], fps=30)
+    scene.add_articulated("door", DOOR, position=(0, -9, 1))
     simulator = alone(scene)
     names, velocity = simulator.names, simulator.velocity("crate")
     with pytest.raises(InputError, match=says):

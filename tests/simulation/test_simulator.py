@@ -275,7 +275,7 @@ def test_a_scene_that_is_changed_later_changes_no_simulator(body):
     simulator.reset(motion[0])
 
 
-@pytest.mark.parametrize("dt", [0.0, -1.0, 11.0, 1e9, np.inf, np.nan, "long"])
+@pytest.mark.parametrize("dt", [0.0, -1.0, 11.0, 1e9, np.inf, np.nan, "long", True, "0.1"])
 def test_impossible_frames(body, dt):
     motion = along_x(1.0, 3, 0.0)
     simulator = Simulator(Scene(), body=body)

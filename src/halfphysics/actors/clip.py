@@ -24,10 +24,12 @@ from halfphysics.actors.turns import (
     wrapped,
 )
 from halfphysics.base import rotations as rot
-from halfphysics.base.validation import number, vector
+from halfphysics.base.validation import number, shown, vector
+from halfphysics.errors import InputError
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.pose import Pose
 from halfphysics.motion.skeleton import MIRRORED
+from halfphysics.simulation.argument_checks import checked_body
 
 if TYPE_CHECKING:
     from halfphysics.actors.seen import Seen
@@ -74,7 +76,9 @@ class Clip:
         heading: float | None = None,
         fade: float = 0.3,
     ) -> None:
-        self.body = body
+        if not isinstance(motion, Motion):
+            raise InputError(f"Clip: motion: found {shown(motion)}, expected a halfphysics.Motion")
+        self.body = body = checked_body(body)
         self.speed = number(speed, "Clip: speed", above=0.0)
         self.loop = bool(loop)
         self._pelvis = np.asarray(body.rest_joints)[0]

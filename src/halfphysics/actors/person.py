@@ -24,6 +24,7 @@ from halfphysics.actors.walker import Walker
 from halfphysics.actors.way import Way
 from halfphysics.base.validation import is_whole, number, shown, vector
 from halfphysics.errors import InputError
+from halfphysics.simulation.argument_checks import checked_body, checked_scene
 
 if TYPE_CHECKING:
     from halfphysics.actors.goals import Goal, Task
@@ -70,10 +71,7 @@ class Person:
         goals: Iterable[Goal] = (),
         scene: Scene | None = None,
     ) -> None:
-        if body is None:
-            from halfphysics.body.body import Body
-
-            body = Body.default()
+        body, scene = checked_body(body), checked_scene(scene)
         x, y = vector(place, "Person: place", 2, unit="m")
         heading = number(heading, "Person: heading", unit="rad")
         self.body = body

@@ -11,7 +11,6 @@ import math
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base.copying import Bound
 from halfphysics.base.short_repr import counted
+from halfphysics.base.validation import real
 from halfphysics.errors import InputError
 from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.motion.pose import Pose
@@ -76,6 +76,7 @@ class Control(Bound):
         self._axes = [np.eye(3) for _ in humans]
         self._timestep = float(model.opt.timestep)  # of the last step [s]
         self._started = False
+        self._moved = False  # since the last reset or set_state
 
     def __repr__(self) -> str:
         state = "running" if self._started else "call reset(pose) first"
@@ -103,7 +104,7 @@ class Control(Bound):
         self._tell_stiffness(self._stiffness)
         self._world.start()
         mujoco.mj_forward(self._model, self._data)
-        self._started = True
+        self._started, self._moved = True, False
         warn_of_hosted_start(self._host, self._stepper.inside())
 
     def step(self, pose: Pose | Sequence[Pose], dt: float | None = None) -> None:
@@ -176,7 +177,7 @@ class Control(Bound):
     def torques(self) -> Array:
         """Mean torque of the drive on the people's joints in the last `step` (people, 55, 3) [N m];
         row 0 acts on the whole body. See `PersonResult.torque`."""
-        found = self._stepper.torques()
+        found = self._stepper.torques() if self._moved else ()
         if not len(found):  # all are zero
             return np.zeros((len(self.people), N_JOINTS, 3))
         return joints_from_core(self.people, np.asarray(found))
@@ -201,6 +202,8 @@ class Control(Bound):
 
     def set_state(self, state: bytes) -> None:
         """Restore a state of `get_state`; restore `data` first.
+
+        `contacts`, `contact` and `torques` are of the last step: there are none until the next.
 
         Raises:
             InputError: The state belongs to another model.
@@ -228,7 +231,7 @@ class Control(Bound):
         self._stiffness = self._stiffness_from_core()
         self._change_forces(forces)
         self._world.show()
-        self._started = True
+        self._started, self._moved = True, False
 
     def _change_forces(self, forces: Array) -> None:
         """Have the forces of a state among the world's, in place of people's forces of now.
@@ -312,6 +315,7 @@ class Control(Bound):
 
     def _finish(self) -> None:
         """After the timesteps: MuJoCo's sensors know of the people."""
+        self._moved = True
         pushed = self._world.pushes()
         if pushed or self._sensors.pushed:
             self._sensors.update(pushed, lambda: self.contact)
@@ -358,16 +362,18 @@ class Control(Bound):
             )
         if dt is None:
             return 1, longest
-        if not isinstance(dt, Real) or not np.isfinite(dt) or dt <= 0.0:
+        length = real(dt)
+        if length is None or not math.isfinite(length) or length <= 0.0:
             raise InputError(f"step: dt: found {dt!r}, expected a time above 0 [s]")
-        if float(dt) / longest > _MOST:
+        if length / longest > _MOST:
             raise InputError(
-                f"step: dt: found {dt:g} s, expected at most {_MOST:g} timesteps of {longest:g} s"
+                f"step: dt: found {length:g} s, expected at most {_MOST:g} timesteps of "
+                f"{longest:g} s"
             )
-        count = max(1, math.ceil(float(dt) / longest * (1.0 - _WHOLE)))
+        count = max(1, math.ceil(length / longest * (1.0 - _WHOLE)))
         # A whole number of timesteps keeps their length to the last bit.
-        whole = abs(count * longest - dt) <= _WHOLE * dt
-        return count, longest if whole else float(dt) / count
+        whole = abs(count * longest - length) <= _WHOLE * length
+        return count, longest if whole else length / count
 
 
 @contextmanager

@@ -7,6 +7,7 @@ from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 from halfphysics.base.machine import cores
+from halfphysics.base.validation import is_whole
 from halfphysics.errors import InputError
 from halfphysics.mujoco import engine
 from halfphysics.mujoco.control import Control, _timestep
@@ -40,6 +41,7 @@ def step_worlds(
 
     from halfphysics import _native
 
+    _check_lists(controls, poses)
     _check(controls, poses, threads)
     steps = [control._steps(dt) for control in controls]
     for control, pose in zip(controls, poses, strict=True):
@@ -55,7 +57,7 @@ def step_worlds(
             stack.callback(control._relax)
         for control, (_, h) in zip(controls, steps, strict=True):
             stack.enter_context(_timestep(control._model, h))
-        count = threads or cores()
+        count = cores() if threads is None else int(threads)
         errors = _native.run_worlds([control._world for control in controls], count)
     for control, error in zip(controls, errors, strict=True):
         if not error:
@@ -63,6 +65,16 @@ def step_worlds(
     if any(errors):
         index, message = next((i, e) for i, e in enumerate(errors) if e)
         raise mujoco.FatalError(f"world {index}: {message}")
+
+
+def _check_lists(controls: object, poses: object) -> None:
+    """Refuse what has no length or no order, such as a single world and its pose."""
+    for name, given in (("controls", controls), ("poses", poses)):
+        if not (hasattr(given, "__len__") and hasattr(given, "__getitem__")):
+            raise InputError(
+                f"step_worlds: {name}: found {type(given).__name__}, expected a list with one "
+                "entry per world (Control.step steps a single one)"
+            )
 
 
 def _check(controls: Sequence[Control], poses: Sequence[object], threads: int | None) -> None:
@@ -80,5 +92,5 @@ def _check(controls: Sequence[Control], poses: Sequence[object], threads: int | 
             "step_worlds: two controls of one MjData; expected one each (several people in one "
             "world are bound together: halfphysics.bind)"
         )
-    if threads is not None and (not isinstance(threads, int) or threads < 1):
+    if threads is not None and not is_whole(threads, least=1, plain=False):
         raise InputError(f"step_worlds: threads: found {threads!r}, expected 1 or more")

@@ -21,6 +21,13 @@ def several(value: T | Sequence[T]) -> list[T]:
     return list(value) if isinstance(value, list | tuple) else [cast(T, value)]
 
 
+def checked_body(body: Body | None) -> Body:
+    """A body; None: the default one. Raises `InputError` for anything else."""
+    if body is not None and not isinstance(body, Body):
+        raise InputError(f"body: found {body!r}, expected a halfphysics.Body")
+    return Body.default() if body is None else body
+
+
 def checked_bodies(body: Body | Sequence[Body] | None) -> list[Body]:
     """Bodies, one per person; None: the default body.
 

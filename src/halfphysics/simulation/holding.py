@@ -110,7 +110,9 @@ def with_held(world: World, name: str, part: str, person: int) -> Mapping[str, H
     if not isinstance(place, FreeObject):
         raise InputError(f"{what}: {_holder(world, name)} holds it already; release({name!r}) it")
     if part not in JOINT_NAMES:
-        hint = did_you_mean(part, JOINT_NAMES, form=repr)
+        # Whose hand it is matters more than how the joint's name is spelled.
+        meant = str(part).replace("hand", "wrist")
+        hint = did_you_mean(meant, JOINT_NAMES, form=repr)
         raise InputError(
             f"{what}: part: found {shown(part)}, expected a joint's name such as 'right_wrist' "
             f"or 'head'{hint}"

@@ -180,6 +180,12 @@ def _found(world: World, what: str, name: str) -> tuple[FreeObject | HeldObject,
     for place in world.objects:
         if place.name == name:
             return place, world.made_of.objects[name]
+    jointed = world.called.owner.get(name, name)
+    if jointed in world.made_of.articulated:
+        raise InputError(
+            f"{what}: {name!r} is articulated: its joints say where it is (Frame.joints), and "
+            "what touches it moves it; expected an object of add_object"
+        )
     raise InputError(f"{what}: {world.unknown_object(name)}")
 
 

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from halfphysics.base.arrays import scalar_of
 from halfphysics.base.atomic import atomic_path
 from halfphysics.base.in_notebook import InNotebook
 from halfphysics.base.short_repr import counted
 from halfphysics.base.stopwatch import Stopwatch
+from halfphysics.base.validation import real
 from halfphysics.errors import InputError
 from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.motion.pose import Pose
@@ -426,10 +426,7 @@ def _check_length(what: str, dt: float) -> None:
 
 
 def _positive(name: str, value: float) -> float:
-    try:
-        number = float(scalar_of(value))
-    except (TypeError, ValueError):
-        number = math.nan
-    if not (math.isfinite(number) and number > 0.0):
+    number = real(value)
+    if number is None or not (math.isfinite(number) and number > 0.0):
         raise InputError(f"{name}: found {value!r}, expected a positive number")
     return number

@@ -22,6 +22,7 @@ from halfphysics.errors import InputError
 from halfphysics.formats.loading import GROUND
 
 if TYPE_CHECKING:
+    from halfphysics.motion.motion import Motion
     from halfphysics.results.result import PersonResult
 
 EXAMPLES = """\
@@ -87,11 +88,10 @@ class Command:
         import dataclasses
 
         from halfphysics.cli import measures
-        from halfphysics.motion.motion import Motion
         from halfphysics.results.result import Result
 
         # A model file that has moved is given anew, for the result cannot be read without.
-        body = self.person.load(Motion.load(self.file)) if self.person.given else None
+        body = self.person.load(_first(self.file)) if self.person.given else None
         result = Result.load(self.file, body=body)
         if self.scene.given:
             # A floor is added where the simulation had it.
@@ -120,6 +120,15 @@ class Command:
             content = [of_result(result, index) for index in range(len(people))]
             with atomic_write(self.json) as handle:
                 handle.write((json.dumps({"people": content}, indent=1) + "\n").encode())
+
+
+def _first(path: Path) -> Motion:
+    """The motion of the first person of a result, without its body."""
+    from halfphysics.base.npz import Npz
+    from halfphysics.formats.results.motion_of_result import first_person
+    from halfphysics.motion.motion import Motion
+
+    return Motion.load(path, clip=first_person(Npz(path)))
 
 
 def _beside(path: Path, people: Sequence[PersonResult], index: int) -> PersonResult:

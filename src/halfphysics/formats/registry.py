@@ -51,6 +51,7 @@ from halfphysics.formats.frame_range import in_range
 from halfphysics.formats.gltf import gltf
 from halfphysics.formats.people import Track, chosen, together
 from halfphysics.formats.positions import humanml, joint_array, kimodo, mdm, mdm_smpl
+from halfphysics.formats.results.motion_of_result import of_result
 from halfphysics.formats.video import (
     bedlam,
     comotion,
@@ -148,10 +149,10 @@ _FBX = b"Kaydara FBX Binary"
 
 
 def identify(source: Source) -> Format | None:
-    """The format of a file; None: no known format."""
+    """The format of a file, with the people of a result; None: no known format."""
     for format in FORMATS.values():
         if format.sniff is not None and format.sniff(source):
-            return format
+            return of_result(source, format)
     return None
 
 

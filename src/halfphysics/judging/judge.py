@@ -135,11 +135,13 @@ def _failed(task: Task, error: Exception) -> Judged:
 
 
 def _people(task: Task, reading: Reading) -> list[Task]:
-    """A task for each person whom a file tracks, over their own frames; else the task."""
+    """A task for each person whom a file tracks, over their own frames; else the task, as of a
+    result, whose people share a scene."""
     from halfphysics.formats.format import Source
     from halfphysics.formats.registry import identify
+    from halfphysics.formats.results.result_file import is_result
 
-    if task.clip is not None or reading.motion_file.clip is not None:
+    if task.clip is not None or reading.motion_file.clip is not None or is_result(task.path):
         return [task]
     source = Source(task.path)
     format = identify(source)

@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.base.axes import turned
 from halfphysics.base.npz import Npz
 from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.base.validation import file_path, shown
@@ -38,6 +37,7 @@ from halfphysics.formats.results.keys import (
     VERSION_KEY,
     person_prefix,
 )
+from halfphysics.formats.results.motion_of_result import SAME, first_person
 from halfphysics.formats.results.unfinished import is_unfinished, load_unfinished
 from halfphysics.motion.adapted_hold import AdaptedHold
 from halfphysics.motion.motion import Motion
@@ -59,9 +59,6 @@ logger = logging.getLogger(__name__)
 Array = NDArray[np.float64]
 Fields = dict[str, NDArray[Any]]
 T = TypeVar("T", bound=Table)
-
-# Rounding error of rotating a motion to the axes of its file and back [m, rad].
-_SAME = 1e-9
 
 
 def is_result(path: str | os.PathLike[str]) -> bool:
@@ -325,21 +322,18 @@ _OPTIONAL = ("torque", "clock", "corrected")
 
 def _with_metadata(path: Path, motion: Motion, reference: Motion) -> tuple[Motion, Motion]:
     """The motions with the metadata of the top-level keys, which must hold the same motion."""
-    top = load_motion(path, gender=motion.gender, model=motion.model)
-    trans, rotations = top.translation, top.rotations
-    straight = np.array_equal(motion.axes, np.eye(3))
+    first = first_person(Npz(path))
+    top = load_motion(path, gender=motion.gender, model=motion.model, clip=first)
     # Fingers are not compared: the top-level ones may be relative to a mean hand.
     same = len(top) == len(motion) and (
-        np.abs(rotations[:, 1:22] - motion.rotations[:, 1:22]).max() < _SAME
+        np.abs(top.rotations[:, :22] - motion.rotations[:, :22]).max() < SAME
     )
-    if same and not straight and np.abs(rotations[:, 0] - motion.rotations[:, 0]).max() < _SAME:
+    shift = top.translation - motion.translation if same else np.zeros((1, 3))
+    rebased = same and not np.array_equal(top.axes, motion.axes)
+    if rebased and np.abs(shift - shift[0]).max() < SAME:
         # The format has another up axis: the top-level motion is `Motion.rebased`, shifted.
-        shift = trans - motion.translation
-        if np.abs(shift - shift[0]).max() < _SAME:
-            return motion, reference
-    if same and not straight:
-        trans, rotations = turned(trans, rotations, motion.axes)
-    if not same or np.abs(trans - motion.translation).max() >= _SAME:
+        return motion, reference
+    if not same or np.abs(shift).max() >= SAME:
         raise InputError(
             "the fields on top ('trans', 'poses') are not the motion under 'meta/': the file was "
             "changed after it was written. Motion.load reads the motion on top"

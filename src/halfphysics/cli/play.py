@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -112,15 +112,14 @@ class Command:
     def _sequence(self, path: Path) -> Sequence:
         """A motion file as a sequence, as for halfphysics simulate."""
         from halfphysics.body.match import check_match
-        from halfphysics.simulation.sequence import Sequence
 
         found = self.motion_file.sequence(
             path, body=self.person.instead_of, ground=self.scene.ground
         )
-        motion = found.motions[0]
-        body = self.person.instead_of(found.bodies[0], motion)
-        check_match(motion, body, allow_mismatch=self.person.allow_mismatch)
-        return Sequence(motion, self.scene.load(found.scene), body, found.settings)
+        for motion, body in zip(found.motions, found.bodies, strict=True):
+            if body is not None:  # `instead_of` has given everybody one
+                check_match(motion, body, allow_mismatch=self.person.allow_mismatch)
+        return replace(found, scene=self.scene.load(found.scene))
 
 
 def _names(paths: list[Path], taken: tuple[str, ...]) -> list[str]:

@@ -17,6 +17,7 @@ from halfphysics.base.axes import axes_of, turned
 from halfphysics.base.reader_warnings import warn
 from halfphysics.errors import FileError, InputError
 from halfphysics.formats.format import Options
+from halfphysics.formats.gender_names import gender_named
 from halfphysics.formats.speed_check import is_rest_pose, rest_pose_first, warn_of_speed
 from halfphysics.formats.units_check import in_radians, unit_of
 from halfphysics.motion import skeleton
@@ -224,15 +225,17 @@ def shape_of(where: str, betas: ArrayLike, frames: int) -> Array | None:
     """One shape (n,) from betas (n,), (1, n) or equal rows (T, n); None: there is none."""
     try:
         return one_shape("betas", betas, frames)
-    except (InputError, ValueError) as error:
-        raise FileError(f"{where}: field '{error}'") from None
+    except InputError as error:
+        raise FileError(f"{where}: field 'betas': {str(error).removeprefix('betas: ')}") from None
+    except ValueError as error:
+        raise FileError(f"{where}: field 'betas': {error}; expected numbers") from None
 
 
 def _gender(where: str, options: Options, gender: str | None) -> str:
     """The gender of the options, else of the file, else neutral with a warning."""
     if gender is None and options.gender is None:
         warn(f"{where}: does not say a gender: taken as neutral. Say it with gender=")
-    gender = options.gender or (gender or "neutral").strip().lower()
+    gender = options.gender or gender_named(gender or "neutral")
     if gender not in GENDERS:
         raise FileError(
             f"{where}: gender: found {gender!r}, expected one of {', '.join(GENDERS)}. Say it with "

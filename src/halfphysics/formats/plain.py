@@ -26,6 +26,7 @@ from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.estimates import FLOOR, estimated, once
 from halfphysics.formats.format import Format, Options, Source, alone
 from halfphysics.formats.people import Track
+from halfphysics.formats.rate_names import is_rate, said_rate
 from halfphysics.formats.rotation_forms import numbers_of
 from halfphysics.formats.smplx_params import TRANSLATION, gender_of, is_params, parts_of, stacked
 from halfphysics.formats.written_people import Written, written
@@ -35,10 +36,11 @@ from halfphysics.motion.smplx_names import PARTS
 Up = Literal["y", "z", "-y"]
 
 NAME = "smplx-params"
-_RATES = ("fps", "mocap_frame_rate", "mocap_framerate", "frame_rate", "framerate")
+#: The rate that is taken first, where a file has several.
+_RATE = ("fps",)
 _UP = "up"
 #: What may be said beside people, once for all of them.
-_COMMON = (*_RATES, _UP, "gender", "model", "model_type", "surface_model_type")
+_COMMON = (_UP, "gender", "model", "model_type", "surface_model_type")
 #: Name of the only person of a file.
 _ALONE = "person"
 #: The mean component of the trunk along an axis, above which the person stands along it.
@@ -73,7 +75,7 @@ def _found(content: Any) -> dict[str, Mapping[str, Any]]:
     if not isinstance(content, Mapping):
         return {}
     people = {str(key): content[key] for key in list(content) if is_params(_entry(content, key))}
-    common = {key: content[key] for key in _COMMON if people and key in content}
+    common = {k: content[k] for k in list(content) if people and (k in _COMMON or is_rate(k))}
     return {name: {**common, **fields} for name, fields in people.items()}
 
 
@@ -110,7 +112,6 @@ def _load(source: Source, options: Options) -> Motion:
         raise FileError(f"{source.path}: found nobody in it, expected at least one person")
     record = Record(_where(source, name), people[name])
     parts = parts_of(record, options)
-    key = next((key for key in _RATES if key in record), None)
     up, told = _up(record, parts.rotations, options)
     return estimated(
         record.where,
@@ -123,7 +124,7 @@ def _load(source: Source, options: Options) -> Motion:
         gender=gender_of(record, options),
         betas=parts.betas,
         hands=parts.hands,
-        fps=None if key is None else record.number(key, above=0.0),
+        fps=said_rate(record, _RATE),
         invented={**told, **FLOOR},
         fields={} if name == _ALONE else {"track": name},
     )

@@ -24,6 +24,7 @@ from halfphysics.body.model_files import read_hands
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.datasets.subject import named_model
 from halfphysics.formats.format import Options
+from halfphysics.formats.gender_names import said_gender
 from halfphysics.formats.mean_shape import mean_shape
 from halfphysics.formats.rotation_forms import SIX, numbers_of, rows_of, vectors, widths
 from halfphysics.motion import skeleton
@@ -191,8 +192,7 @@ def _hands(
 
 def gender_of(record: Record, options: Options) -> str:
     """The gender of the options, else of the file, else neutral."""
-    said = record.text("gender").lower() if "gender" in record else "neutral"
-    return options.gender or said
+    return options.gender or said_gender(record) or "neutral"
 
 
 def _model(record: Record, wide: bool, hands: str | None) -> str:

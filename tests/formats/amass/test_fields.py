@@ -100,8 +100,41 @@ def test_betas_of_any_shape_but_one_per_person(tmp_path):
         same(path, tmp_path / "b.npz")
     assert Motion.load(write(tmp_path / "a.npz", base | {"betas": np.zeros(0)})).betas is None
     tiled[3, 2] += 0.1
-    with pytest.raises(FileError, match="'betas: the shape changes over the frames"):
+    with pytest.raises(FileError, match="field 'betas': the shape changes over the frames"):
         Motion.load(write(tmp_path / "a.npz", base | {"betas": tiled}))
+
+
+def test_words_and_numbers_in_python_objects_are_read(tmp_path):
+    content = fields("smplh")
+    plain = Motion.load(write(tmp_path / "a.npz", content))
+    keys = ("gender", "mocap_framerate", "betas")
+    objects = {key: np.array(content[key].tolist(), dtype=object) for key in keys}
+    motion = Motion.load(write(tmp_path / "b.npz", content | objects))
+    assert (motion.gender, motion.fps) == (plain.gender, plain.fps)
+    assert np.array_equal(motion.betas, plain.betas)
+    nothing = {key: np.array(None) for key in keys}
+    with pytest.warns(HalfPhysicsWarning, match=r"no field 'gender'|frame rate: taken as 30"):
+        motion = Motion.load(write(tmp_path / "c.npz", content | nothing))
+    assert (motion.gender, motion.fps, motion.betas) == ("neutral", 30.0, None)
+    ragged = np.array([[0.0], [1.0, 2.0]], dtype=object)
+    with pytest.raises(FileError, match=r"'betas' holds Python objects.*Save it as a plain"):
+        Motion.load(write(tmp_path / "d.npz", content | {"betas": ragged}))
+
+
+@pytest.mark.parametrize("model", ["smplx", "smplh", "smpl"])
+def test_joints_may_have_an_axis_of_their_own(tmp_path, model):
+    content = fields(model)
+    plain = Motion.load(write(tmp_path / "a.npz", content))
+    keys = [key for key in ("poses", "pose_body", "pose_hand", "pose_eye") if key in content]
+    apart = {key: content[key].reshape(len(plain), -1, 3) for key in keys}
+    motion = Motion.load(write(tmp_path / "b.npz", content | apart))
+    assert np.array_equal(motion.rotations, plain.rotations)
+    motion.save(tmp_path / "c.npz")
+    same(tmp_path / "b.npz", tmp_path / "c.npz")
+    if model == "smplx":  # the parts alone
+        del content["poses"], apart["poses"]
+        motion = Motion.load(write(tmp_path / "d.npz", content | apart))
+        assert np.array_equal(motion.rotations, plain.rotations)
 
 
 def _broken(key, value):

@@ -15,10 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.npz import Npz
+from halfphysics.base.npz_objects import NpzObjects
 from halfphysics.base.reader_warnings import warn
+from halfphysics.base.validation import shown
 from halfphysics.errors import FileError, InputError
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.format import Options, Source
+from halfphysics.formats.gender_names import gender_named
 from halfphysics.formats.motion_builder import (
     file_parameters,
     made,
@@ -28,6 +31,7 @@ from halfphysics.formats.motion_builder import (
     same_length,
     shape_of,
 )
+from halfphysics.formats.rate_names import is_rate, rate_key
 from halfphysics.motion import skeleton
 from halfphysics.motion.file_metadata import FileMetadata
 from halfphysics.motion.motion import GENDERS, MODELS, Motion
@@ -51,6 +55,7 @@ SPLIT: Mapping[str, tuple[int, ...]] = {
     "pose_jaw": (22,),
     "pose_eye": (23, 24),
 }
+#: The frame rate, the first of them that is there; else another name of it (`rate_names`).
 FPS_KEYS = ("mocap_frame_rate", "mocap_framerate", "fps")
 FULL_KEY = "poses_smplx"
 #: Shape coefficients of the largest model (300, and 100 of the face).
@@ -59,8 +64,10 @@ _MOST_BETAS = 400
 _MOST_KEPT = 2**26
 _KNOWN = {
     "trans", "poses", "betas", "num_betas", "gender", "surface_model_type", "mocap_time_length",
-    FULL_KEY, *SPLIT, *FPS_KEYS,
+    FULL_KEY, *SPLIT,
 }  # fmt: skip
+#: Fields of one number or word.
+_WORDS = ("gender", "surface_model_type", "mocap_time_length", "num_betas")
 
 
 def width_of(source: Source) -> int | None:
@@ -74,12 +81,13 @@ def width_of(source: Source) -> int | None:
         return None
     if "poses" in npz:
         shape, _ = npz.header("poses")
-        if len(shape) == 2 and shape[1] in COLUMNS:
-            return shape[1]
+        width = _width(shape)
+        if width in COLUMNS:
+            return width
         raise FileError(
             f"{source.path}: field 'poses': found shape {shape}, expected (T, 165) for SMPL-X, "
-            "(T, 156) for SMPL-H, (T, 72) for SMPL or (T, 66) without hands. Axis-angle of all "
-            "joints in one row per frame"
+            "(T, 156) for SMPL-H, (T, 72) for SMPL or (T, 66) without hands, or (T, joints, 3). "
+            "Axis-angle of all joints in one row per frame"
         )
     if "root_orient" in npz and "pose_body" in npz:
         if "pose_jaw" in npz or "pose_eye" in npz:
@@ -88,12 +96,27 @@ def width_of(source: Source) -> int | None:
     return None
 
 
+def _width(shape: tuple[int, ...]) -> int:
+    """Numbers in a row of rotations (T, 3 joints) or (T, joints, 3); 0: it is neither."""
+    if len(shape) == 3 and shape[2] == 3:
+        return 3 * shape[1]
+    return shape[1] if len(shape) == 2 else 0
+
+
+def _rows(npz: Npz, key: str, width: int, frames: slice) -> NDArray[Any]:
+    """Rotations (T, width), also of a field (T, joints, 3)."""
+    apart = len(npz.header(key)[0]) == 3
+    columns = (width // 3, 3) if apart else (width,)
+    rows = Record(npz.path, npz).numbers(key, None, *columns, frames=frames)
+    return rows.reshape(len(rows), width)
+
+
 def _rotations(npz: Npz, width: int, frames: slice) -> tuple[Array, Array | None]:
     """Rotations (T, 55, 3) in file axes, and SMPL's rigid hands (T, 2, 3) if present."""
     rigid = None
     if "poses" in npz:
         columns = COLUMNS[width]
-        poses = Record(npz.path, npz).array("poses", None, width, frames=frames)
+        poses = np.array(_rows(npz, "poses", width, frames), dtype=np.float64)
         poses = poses.reshape(-1, len(columns), 3)
         if columns == tuple(range(skeleton.N_JOINTS)):
             full = poses
@@ -104,13 +127,13 @@ def _rotations(npz: Npz, width: int, frames: slice) -> tuple[Array, Array | None
             for key, joints in SPLIT.items():
                 # A face field beside `poses` without a face.
                 if key in npz and not set(joints) & set(columns):
-                    part = Record(npz.path, npz).numbers(key, None, 3 * len(joints), frames=frames)
+                    part = _rows(npz, key, 3 * len(joints), frames)
                     same_length(str(npz.path), {"poses": len(poses), key: len(part)})
                     full[:, list(joints)] = part.reshape(-1, len(joints), 3)
             rigid = poses[:, count:] if count < len(columns) else None
     else:
         parts = {
-            key: Record(npz.path, npz).numbers(key, None, 3 * len(joints), frames=frames)
+            key: _rows(npz, key, 3 * len(joints), frames)
             for key, joints in SPLIT.items()
             if key in npz
         }
@@ -131,10 +154,10 @@ def _rotations(npz: Npz, width: int, frames: slice) -> tuple[Array, Array | None
 
 def _fps(npz: Npz, options: Options, usual: float | None) -> tuple[float, str]:
     """The frame rate, and its key; `usual` is that of the format where the file has none."""
-    key = next((key for key in FPS_KEYS if key in npz), None)
-    if key is None or options.fps is not None:
+    key = rate_key((key for key in npz if "/" not in key), FPS_KEYS)
+    value = None if key is None or options.fps is not None else _small(npz, key)
+    if key is None or value is None:
         return rate_of(str(npz.path), options, usual), key or FPS_KEYS[0]
-    value = _small(npz, key)
     if value.size != 1 or value.dtype.kind not in "fiu" or not 0.0 < float(value.flat[0]) < 1e6:
         raise FileError(
             f"{npz.path}: field '{key}': found {value.tolist()!r}, expected a positive number of "
@@ -143,14 +166,41 @@ def _fps(npz: Npz, options: Options, usual: float | None) -> tuple[float, str]:
     return float(value.flat[0]), key
 
 
-def _small(npz: Npz, key: str, most: int = 16) -> NDArray[Any]:
-    """A field of few numbers, refused by its header where it has more."""
-    shape, _ = npz.header(key)
-    if math.prod(shape) > most:
+def _small(npz: Npz, key: str, most: int = 16) -> NDArray[Any] | None:
+    """A field of few numbers or words, refused where it has more; None: it is missing, or None."""
+    if key not in npz:
+        return None
+    shape, dtype = npz.header(key)
+    if not dtype.hasobject and math.prod(shape) > most:  # before it is read
+        raise _too_many(npz, key, shape, most)
+    array = _unpacked(npz, key) if dtype.hasobject else npz[key]
+    if array is not None and array.size > most:
+        raise _too_many(npz, key, array.shape, most)
+    return array
+
+
+def _unpacked(npz: Npz, key: str) -> NDArray[Any] | None:
+    """The word or the numbers in a field of Python objects, as programs that save a dict leave
+    them."""
+    value = NpzObjects(npz.path)[key]
+    if value is None:
+        return None
+    try:
+        array = np.array(value.tolist() if isinstance(value, np.ndarray) else value)
+    except ValueError:  # rows of different lengths
+        array = np.array(None)
+    if array.dtype.kind not in "fiuSU":
         raise FileError(
-            f"{npz.path}: field '{key}': found shape {shape}, expected at most {most} numbers"
+            f"{npz.path}: field '{key}' holds Python objects, found {shown(value)}; expected "
+            "numbers or text. Save it as a plain array or a string"
         )
-    return npz[key]
+    return array
+
+
+def _too_many(npz: Npz, key: str, shape: tuple[int, ...], most: int) -> FileError:
+    return FileError(
+        f"{npz.path}: field '{key}': found shape {shape}, expected at most {most} numbers"
+    )
 
 
 def _text(value: NDArray[Any]) -> str:
@@ -163,10 +213,11 @@ def _text(value: NDArray[Any]) -> str:
 def _gender(npz: Npz, options: Options) -> str:
     if options.gender is not None:
         return options.gender
-    if "gender" not in npz:
+    said = _small(npz, "gender")
+    if said is None:
         warn(f"{npz.path}: no field 'gender': taken as neutral. Say it with gender=")
         return "neutral"
-    gender = _text(_small(npz, "gender"))
+    gender = gender_named(_text(said))
     if gender not in GENDERS:
         raise FileError(
             f"{npz.path}: field 'gender': found {gender!r}, expected one of {', '.join(GENDERS)}. "
@@ -178,10 +229,9 @@ def _gender(npz: Npz, options: Options) -> str:
 def _model(npz: Npz, width: int, options: Options) -> str:
     if options.model is not None and str(options.model) in MODELS:
         return str(options.model)
-    if "surface_model_type" in npz:
-        stated = _text(_small(npz, "surface_model_type"))
-        if stated in MODELS:
-            return stated
+    stated = _small(npz, "surface_model_type")
+    if stated is not None and _text(stated) in MODELS:
+        return _text(stated)
     if width in _MODEL_OF_WIDTH:
         return _MODEL_OF_WIDTH[width]
     raise FileError(
@@ -229,9 +279,9 @@ def load(
             raise InputError(f"hands: found 'mean', but {source.path} has no fingers. Leave it out")
         mean = mean_hands(options.model, gender)
     betas, betas_shape = None, None
-    if "betas" in npz:
-        frames = npz.header("trans")[0][0]
-        value = _small(npz, "betas", _MOST_BETAS * max(1, frames))
+    frames = npz.header("trans")[0][0]
+    value = _small(npz, "betas", _MOST_BETAS * max(1, frames))
+    if value is not None:
         betas = shape_of(where, value, frames)
         betas_shape = value.shape
     metadata = _file_metadata(npz, format, options.frames, len(trans), rigid)
@@ -262,7 +312,7 @@ def _file_metadata(
     a slash)."""
     constants: Fields = {}
     per_frame: Fields = {}
-    dtypes, keys = {}, []
+    dtypes, keys, apart = {}, [], []
     total = npz.header("trans")[0][0]  # of the file, whatever part of it is read
     for key in npz:
         shape, dtype = npz.header(key)
@@ -270,8 +320,12 @@ def _file_metadata(
             continue
         keys.append(key)
         dtypes[key] = dtype
-        if key in ("gender", "surface_model_type", "mocap_time_length", "num_betas", *FPS_KEYS):
-            constants[key] = _small(npz, key)
+        if key in ("poses", *SPLIT) and len(shape) == 3:
+            apart.append(key)
+        if key in _WORDS or is_rate(key):
+            value = _small(npz, key)
+            if value is not None:
+                constants[key] = value
         elif key not in _KNOWN:
             if math.prod(shape) * dtype.itemsize > _MOST_KEPT:
                 warn(f"{npz.path}: field '{key}' {shape} is no part of the motion: not kept")
@@ -282,6 +336,8 @@ def _file_metadata(
     if rigid is not None:
         per_frame["_rigid_hands"] = rigid
     fields = {"keys": tuple(keys), "dtypes": dtypes, "constants": constants, "total": total}
+    if apart:
+        fields["apart"] = tuple(apart)  # (T, joints, 3)
     return FileMetadata(format=format, fields=fields, per_frame=per_frame)
 
 
@@ -329,10 +385,12 @@ def encode(motion: Motion, format: str, width: int, fps_key: str) -> Fields:
         keys = {*said["keys"], "betas", "gender", fps_key}
         out = {key: value for key, value in out.items() if key in keys}
         out |= {k: v for k, v in own.per_frame.items() if not k.startswith("_")}
-        out |= {k: v for k, v in constants.items() if k not in _KNOWN}
+        out |= {k: v for k, v in constants.items() if k not in _KNOWN and not is_rate(k)}
         order = [k for k in said["keys"] if k in out]
         out = {key: out[key] for key in (*order, *(k for k in out if k not in order))}
         out = {key: _exact(value, said["dtypes"].get(key)) for key, value in out.items()}
+        for key in said.get("apart", ()):
+            out[key] = out[key].reshape(frames, -1, 3)
     beside = [joint for key, joints in SPLIT.items() if key in out for joint in joints]
     kept = [*columns, *beside] if "poses" in out else beside
     lost = np.setdiff1d(np.arange(skeleton.N_JOINTS), kept)

@@ -15,6 +15,7 @@ from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.datasets.median_shape import median_shape
 from halfphysics.formats.datasets.standing_axis import standing_axis
 from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.gender_names import said_gender
 from halfphysics.formats.motion_builder import motion_of, rotations_of, same_length
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
@@ -56,7 +57,7 @@ def _load(source: Source, options: Options) -> Motion:
         fps=FPS,
         up=standing_axis(str(source.path), root, options, rule="y", others=("z", "-y"), of="EMDB"),
         model="smpl",
-        gender=whole.text("gender") if "gender" in whole else None,
+        gender=said_gender(whole),
         betas=median_shape(record, frames),
         hands=None,
     )

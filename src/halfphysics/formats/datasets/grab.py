@@ -27,6 +27,7 @@ from halfphysics.formats.datasets.assets import ends, find
 from halfphysics.formats.datasets.recorded import add_recorded, of_file
 from halfphysics.formats.datasets.subject import model_names, named_model, subject_body
 from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.gender_names import gender_named
 from halfphysics.formats.motion_builder import motion_of, own_fields, rotations_of, same_length
 from halfphysics.geometry.mesh_files import load_mesh
 from halfphysics.motion.motion import Motion
@@ -90,7 +91,7 @@ def _load(source: Source, options: Options) -> Motion:
         )
     record = _record(source)
     total = int(record.number("n_frames", above=0.0))
-    gender = options.gender or record.text("gender").lower()
+    gender = options.gender or gender_named(record.text("gender"))
     params = _params(_part(record, "body"))
     parts = {
         joints: _rows(params, key, 3 * len(joints), total, options)

@@ -30,6 +30,7 @@ from halfphysics.formats.datasets.recorded import add_recorded, of_file
 from halfphysics.formats.datasets.relaxed_fingers import HANDS, relaxed_fingers
 from halfphysics.formats.datasets.subject import body_of_betas
 from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.gender_names import said_gender
 from halfphysics.formats.motion_builder import motion_of, rotations_of, same_length
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import MODELS, Motion
@@ -99,7 +100,7 @@ def _load(source: Source, options: Options) -> Motion:
     poses = record.array("poses", None, width, frames=options.frames)
     translation = record.array("trans", None, 3, frames=options.frames)
     frames = same_length(record.where, {k: len(record.raw(k)) for k in ("poses", "trans")})
-    gender = record.text("gender").lower() if "gender" in record else None
+    gender = said_gender(record)
     hands: Literal["flat", "mean"] = "flat"
     if width == _WITH_COMPONENTS:
         parts = dict(zip(HANDS, np.split(poses[:, 3 * len(_BODY) :], 2, axis=1), strict=True))

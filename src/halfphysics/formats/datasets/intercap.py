@@ -27,6 +27,7 @@ from halfphysics.formats.datasets.recorded import add_recorded, of_file
 from halfphysics.formats.datasets.relaxed_fingers import HANDS, relaxed_fingers
 from halfphysics.formats.datasets.subject import body_of_betas
 from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.gender_names import said_gender
 from halfphysics.formats.motion_builder import motion_of, rotations_of, same_length
 from halfphysics.geometry.mesh import Mesh
 from halfphysics.geometry.mesh_files import load_mesh
@@ -99,7 +100,7 @@ def _load(source: Source, options: Options) -> Motion:
     frames = same_length(record.where, {key: len(record.raw(key)) for key in (*keys, place)})
     subject = _numbers_above(source)[0]
     gender = "male" if subject in _MEN else "female" if subject in _WOMEN else None
-    gender = record.text("gender").lower() if "gender" in record else gender
+    gender = said_gender(record) or gender
     fingers, meaning = relaxed_fingers(
         record, options, options.gender or gender or "neutral", hands
     )

@@ -17,6 +17,7 @@ from halfphysics.errors import InputError
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.datasets.median_shape import median_shape
 from halfphysics.formats.format import Format, Options, Source, alone
+from halfphysics.formats.gender_names import said_gender
 from halfphysics.formats.motion_builder import (
     lost_betas,
     lost_joints,
@@ -26,6 +27,7 @@ from halfphysics.formats.motion_builder import (
     same_length,
 )
 from halfphysics.formats.people import Track
+from halfphysics.formats.rate_names import said_rate
 from halfphysics.formats.written_people import written
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
@@ -34,7 +36,7 @@ if TYPE_CHECKING:
     from halfphysics.body.body import Body
 
 NAME = "interhuman"
-#: Of the data set, where a file has no `mocap_framerate`.
+#: Of the data set, where a file says no rate.
 FPS = 59.94
 PEOPLE = ("person1", "person2")
 _KEYS = ("trans", "root_orient", "pose_body")
@@ -73,17 +75,16 @@ def _load(source: Source, options: Options) -> Motion:
     shape = (None, 21, 3) if np.ndim(record.raw("pose_body", "(T, 63)")) == 3 else (None, 63)
     body = record.array("pose_body", *shape, frames=options.frames)
     frames = same_length(record.where, {key: len(record.raw(key)) for key in _KEYS})
-    said = "mocap_framerate" in whole
     return motion_of(
         record.where,
         options,
         format=NAME,
         translation=translation,
         rotations=rotations_of({(0,): root, skeleton.BODY_JOINTS: body}),
-        fps=whole.number("mocap_framerate", above=0.0) if said else FPS,
+        fps=said_rate(whole) or FPS,
         up="z",
         model="smplh",
-        gender=record.text("gender") if "gender" in record else None,
+        gender=said_gender(record),
         betas=median_shape(record, frames),
         hands=None,
     )

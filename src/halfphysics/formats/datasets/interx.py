@@ -16,8 +16,10 @@ from halfphysics.errors import FileError
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.datasets.median_shape import median_shape
 from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.gender_names import said_gender
 from halfphysics.formats.motion_builder import motion_of, rotations_of, same_length
 from halfphysics.formats.people import Track
+from halfphysics.formats.rate_names import said_rate
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
 
@@ -66,10 +68,11 @@ def _load(source: Source, options: Options) -> Motion:
     translation = record.array("trans", None, 3, frames=options.frames)
     lengths = {key: len(record.raw(key)) for key in ("trans", "root_orient", *_PARTS)}
     frames = same_length(record.where, lengths)
+    said = said_rate(record)
     if options.hands is None:
         warn(
             f"{source.path}: Inter-X says no frame rate, and not what zero fingers mean: "
-            f"{options.fps or FPS:g} fps and a flat hand are taken (fps=, hands=)"
+            f"{options.fps or said or FPS:g} fps and a flat hand are taken (fps=, hands=)"
         )
     return motion_of(
         record.where,
@@ -77,10 +80,10 @@ def _load(source: Source, options: Options) -> Motion:
         format=NAME,
         translation=translation,
         rotations=rotations_of({(0,): root, **parts}),
-        fps=FPS,
+        fps=said or FPS,
         up="y",
         model="smplx",
-        gender=record.text("gender") if "gender" in record else None,
+        gender=said_gender(record),
         betas=median_shape(record, frames),
     )
 

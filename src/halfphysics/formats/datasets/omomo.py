@@ -31,6 +31,7 @@ from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.datasets.assets import find
 from halfphysics.formats.datasets.recorded import add_recorded
 from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.gender_names import said_gender
 from halfphysics.formats.motion_builder import (
     file_parameters,
     lost_joints,
@@ -161,7 +162,7 @@ def _load(source: Source, options: Options) -> Motion:
         fps=FPS,
         up="z",
         model="smplx",
-        gender=record.text("gender") if "gender" in record else None,
+        gender=said_gender(record),
         betas=record.array("betas", *getattr(betas, "shape", (None,))),
         hands=None,
         fields={"id": id, "constant": constant},

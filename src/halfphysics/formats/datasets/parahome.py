@@ -31,6 +31,7 @@ from halfphysics.formats.datasets.rigid_place import rigid
 from halfphysics.formats.datasets.standing_axis import standing_axis
 from halfphysics.formats.datasets.subject import body_of_betas
 from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.gender_names import said_gender
 from halfphysics.formats.motion_builder import motion_of, rotations_of, same_length
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
@@ -86,7 +87,7 @@ def _load(source: Source, options: Options) -> Motion:
     frames = same_length(record.where, {key: len(record.raw(key)) for key in _KEYS})
     path = _folder(source) / SHAPE
     shape = _fields(path) if path.is_file() else None
-    gender = shape.text("gender") if shape is not None and "gender" in shape else None
+    gender = None if shape is None else said_gender(shape)
     return motion_of(
         record.where,
         options,

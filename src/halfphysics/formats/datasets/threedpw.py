@@ -18,6 +18,7 @@ from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.datasets.median_shape import median_shape
 from halfphysics.formats.datasets.standing_axis import standing_axis
 from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.gender_names import said_gender
 from halfphysics.formats.motion_builder import motion_of, rotations_of, same_length
 from halfphysics.formats.people import Track
 from halfphysics.motion import skeleton
@@ -25,7 +26,6 @@ from halfphysics.motion.motion import Motion
 
 NAME = "3dpw"
 FPS = 30.0
-_GENDERS = {"m": "male", "f": "female", "n": "neutral"}
 _ENDING = "_60Hz"
 
 
@@ -87,7 +87,6 @@ def _load(source: Source, options: Options) -> Motion:
                 f"{record.where}: the camera is not known in {bad} images (campose_valid), so the "
                 "person's place in the world is a guess there"
             )
-    gender = record.text("genders").lower() if "genders" in record else None
     return motion_of(
         record.where,
         options,
@@ -99,7 +98,7 @@ def _load(source: Source, options: Options) -> Motion:
             record.where, poses[:, 0], options, rule="y", others=("z", "-y"), of="3DPW"
         ),
         model="smpl",
-        gender=_GENDERS.get(gender, gender) if gender is not None else None,
+        gender=said_gender(record, "genders"),
         betas=median_shape(record, frames),
         hands=None,
     )

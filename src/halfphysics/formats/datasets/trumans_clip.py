@@ -16,6 +16,7 @@ import numpy as np
 from halfphysics.base.stored_objects import write
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.gender_names import said_gender
 from halfphysics.formats.motion_builder import (
     file_parameters,
     lost_model,
@@ -23,6 +24,7 @@ from halfphysics.formats.motion_builder import (
     rotations_of,
     same_length,
 )
+from halfphysics.formats.rate_names import said_rate
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.smplx_names import PARTS
 
@@ -68,10 +70,10 @@ def _load(source: Source, options: Options) -> Motion:
         format=NAME,
         translation=translation,
         rotations=rotations_of({PARTS[key]: part for key, part in parts.items()}),
-        fps=record.number("fps", above=0.0) if "fps" in record else FPS,
+        fps=said_rate(record) or FPS,
         up="y",
         model="smplx",
-        gender=record.text("gender") if "gender" in record else "neutral",
+        gender=said_gender(record) or "neutral",
         betas=record.raw("betas") if "betas" in record else None,
         hands="unsaid" if fingers else "flat" if has_hands else None,
         fields={"keys": tuple(record.fields)},

@@ -122,7 +122,8 @@ def _up(record: Record, options: Options, person: _Document, turns: Array) -> st
     key = "poses" if "poses" in record else "root_orient"
     if up == "z" or key not in record:
         return None
-    root = np.asarray(record.raw(key))[options.frames, :3]
+    rows = np.asarray(record.raw(key))[options.frames]
+    root = rows.reshape(len(rows), -1)[:, :3]
     is_turned = root.shape == turns[:, 0].shape and np.abs(root - turns[:, 0]).max() > SAME
     return up if is_turned else None
 

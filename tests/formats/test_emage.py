@@ -7,8 +7,9 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.base.axes import axes_of
-from halfphysics.errors import FileError
+from halfphysics.errors import FileError, HalfPhysicsWarning
 from halfphysics.formats import Source, identify
+from support.files import model_files
 from support.files.layouts import movement
 
 #: Double precision through axis-angles.
@@ -31,7 +32,7 @@ def fields() -> dict:
 
 def test_it_stands_upright_at_its_rate(tmp_path):
     np.savez(tmp_path / "a.npz", **fields())
-    motion = hp.Motion.load(tmp_path / "a.npz")  # a warning would be an error
+    motion = hp.Motion.load(tmp_path / "a.npz", hands="flat")  # a warning would be an error
     assert (motion.fps, motion.model, motion.gender) == (30.0, "smplx", "neutral")
     assert np.array_equal(motion.betas, fields()["betas"])
     body = hp.Body.default()
@@ -52,9 +53,29 @@ def test_what_tells_it(tmp_path, gone):
     del content[gone]
     np.savez(tmp_path / "a.npz", **content)
     assert identify(Source(tmp_path / "a.npz")).name == "emage"
-    motion = hp.Motion.load(tmp_path / "a.npz")
+    motion = hp.Motion.load(tmp_path / "a.npz", hands="flat")
     assert motion.fps == 30.0
     assert np.array_equal(motion.axes, axes_of("y"))
+
+
+@pytest.mark.parametrize("bent", [True, False], ids=["fingers bent", "all fingers zero"])
+def test_what_zero_fingers_mean_is_asked_and_taken_as_flat(tmp_path, bent):
+    content = fields()
+    if not bent:
+        content["poses"][:, 75:] = 0.0
+    np.savez(tmp_path / "a.npz", **content)
+    with pytest.warns(
+        HalfPhysicsWarning, match=r"whether zero fingers are .* taken as flat"
+    ) as said:
+        motion = hp.Motion.load(tmp_path / "a.npz")
+    assert len(said) == 1
+    assert np.array_equal(motion.rotations[:, 25:].reshape(FRAMES, 90), content["poses"][:, 75:])
+    model = model_files.fields("smplx")
+    np.savez(tmp_path / "SMPLX_NEUTRAL.npz", **model)
+    relaxed = hp.Motion.load(tmp_path / "a.npz", hands="mean", model=tmp_path / "SMPLX_NEUTRAL.npz")
+    mean = np.concatenate([model["hands_meanl"], model["hands_meanr"]])
+    fingers = relaxed.rotations[:, 25:].reshape(FRAMES, 90)
+    assert np.abs(fingers - content["poses"][:, 75:] - mean).max() < ROUNDING
 
 
 def test_amass_is_still_amass(tmp_path):

@@ -2,7 +2,8 @@
 
 `betas (300,), poses (T, 165), expressions (T, 100), trans (T, 3), model "smplx2020", gender,
 mocap_frame_rate`. The root's rotation is none where a person stands upright, facing z. AMASS has
-the same keys and z up: `model` and `expressions` tell them apart.
+the same keys and z up: `model` and `expressions` tell them apart. Nothing tells what zero fingers
+mean: AMASS's are a flat hand, the `smplx` package poses the relaxed one unless told otherwise.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import numpy as np
 from halfphysics.base.npz import write_npz
 from halfphysics.formats.amass import fields as amass
 from halfphysics.formats.format import Format, Options, Source
-from halfphysics.formats.motion_builder import lost_model
+from halfphysics.formats.motion_builder import lost_model, warn_of_hands
 from halfphysics.motion.motion import Motion
 
 if TYPE_CHECKING:
@@ -40,7 +41,9 @@ def _sniff(source: Source) -> bool:
 
 
 def _load(source: Source, options: Options) -> Motion:
-    return amass.load(source, options, NAME, up="y", fps=FPS)
+    motion = amass.load(source, options, NAME, up="y", fps=FPS)
+    warn_of_hands(str(source.path), options)
+    return motion
 
 
 def _save(motion: Motion, path: Path, body: Body | None) -> None:
@@ -57,6 +60,7 @@ def _save(motion: Motion, path: Path, body: Body | None) -> None:
 FORMAT = Format(
     name=NAME,
     about="EMAGE and BEAT2: people who speak, of generators and their data set",
+    invents="flat or relaxed hands",
     expects=f"npz with trans (T, 3), poses (T, {WIDTH}), expressions (T, {FACE}), model",
     sniff=_sniff,
     load=_load,

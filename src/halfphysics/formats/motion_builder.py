@@ -250,13 +250,19 @@ def _mean_hands(where: str, options: Options, gender: str, hands: str | None) ->
         raise InputError(
             f"hands: found {options.hands!r}, but {where} has no fingers. Leave it out"
         )
-    if hands == "unsaid" and options.hands is None:
+    if hands == "unsaid":
+        warn_of_hands(where, options)
+    return mean_hands(options.model, gender) if (options.hands or hands) == "mean" else None
+
+
+def warn_of_hands(where: str, options: Options) -> None:
+    """Say that a file does not say what zero fingers mean, where the caller does not."""
+    if options.hands is None:
         warn(
             f"{where}: does not say whether zero fingers are a flat hand or the model's relaxed "
             "one: taken as flat. Say hands='flat', or hands='mean' with model= (the body-model "
             "file)"
         )
-    return mean_hands(options.model, gender) if (options.hands or hands) == "mean" else None
 
 
 def own_fields(motion: Motion) -> Mapping[str, Any]:

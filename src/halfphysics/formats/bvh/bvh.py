@@ -65,7 +65,7 @@ def _ours(where: str, bvh: Bvh, options: Options) -> Motion:
     # Below a root, the pelvis's offset is its rest position, J0.
     at_rest = bvh.offsets[pelvis] if bvh.parents[pelvis] >= 0 else None
     joints = animated(bvh, options.frames)
-    return smplx_motion(where, options, joints, bvh.fps, NAME, pelvis=at_rest)
+    return smplx_motion(where, options, joints, bvh.fps, NAME, pelvis=at_rest)[0]
 
 
 def _save(motion: Motion, path: Path, body: Body | None) -> None:

@@ -190,8 +190,12 @@ def _read(
         return motion, None, found.scale
     rest = _rest(joints)
     pelvis = joints.names.index(skeleton.JOINT_NAMES[0])
-    motion = smplx_motion(where, options, joints, times.fps, NAME, pelvis=rest[pelvis])
-    return motion, _body(where, rest[[joints.names.index(n) for n in skeleton.JOINT_NAMES]]), 1.0
+    motion, unit = smplx_motion(where, options, joints, times.fps, NAME, pelvis=rest[pelvis])
+    if unit is not None and unit != 1.0:
+        warn(f"{where}: not in metres, by the legs: read with {unit:g} m per unit")
+    scale = unit or 1.0  # whose legs are nobody's has no body, which says it
+    rest = scale * rest[[joints.names.index(name) for name in skeleton.JOINT_NAMES]]
+    return motion, _body(where, rest), scale
 
 
 def _rest(joints: AnimatedSkeleton) -> Array:

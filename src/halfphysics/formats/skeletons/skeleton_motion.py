@@ -23,10 +23,13 @@ Array = NDArray[np.float64]
 
 #: Key in `FileMetadata.fields`: the motion was retargeted to the default body.
 DEFAULT_BODY = "default_body"
-# Legs longer than this [unit of the file] are not in metres.
-_METRES = 4.0
-#: Metres per unit of a skeleton that is not in metres.
-_CENTIMETRE = 0.01
+#: Legs of people from hip to ankle [m].
+_LEG = (0.35, 1.3)
+#: Metres per unit in which files have them: metres, centimetres, millimetres, and what an armature
+#: leaves that is scaled to metres twice.
+_UNITS = (1.0, 0.01, 0.001, 100.0)
+# Long legs of nobody [unit of the file], and their unit.
+_METRES, _CENTIMETRE = 4.0, 0.01
 
 
 def retargeted(
@@ -76,7 +79,7 @@ def retargeted_known(
     *,
     up: Literal["y", "-y"],
     invented: Mapping[str, str],
-) -> tuple[Motion, float]:
+) -> tuple[Motion, float | None]:
     """The motion of a skeleton whose joints, unit and axes its format prescribes, without a word.
 
     Args:
@@ -125,7 +128,7 @@ def smplx_motion(
     format: str,
     *,
     pelvis: Array | None,
-) -> Motion:
+) -> tuple[Motion, float | None]:
     """The motion of a skeleton with the joints and the rest pose of SMPL-X, y up.
 
     Args:
@@ -135,6 +138,10 @@ def smplx_motion(
         fps: Frames per second.
         format: Name of the format.
         pelvis: The pelvis at rest (3,) [unit of the file]; None: that of the default body.
+
+    Returns:
+        The motion, and metres per unit of the file; None: these are legs of nobody, taken as
+        centimetres where they are long, else as metres.
 
     Raises:
         FileError: A joint hangs on another than in SMPL-X.
@@ -148,7 +155,8 @@ def smplx_motion(
                 f"{animated.names[animated.parents[index[joint]]]!r}, expected "
                 f"{skeleton.JOINT_NAMES[parent]!r}, as in SMPL-X"
             )
-    scale = _CENTIMETRE if source.leg > _METRES else 1.0
+    usual = _CENTIMETRE if source.leg > _METRES else 1.0
+    scale = metres_per_unit(source.leg) or usual
     local = animated.quaternions[:, index]
     parents = skeleton.PARENTS[1:]
     local[:, 1:] = rot.multiply(rot.conjugate(local[:, parents]), local[:, 1:])
@@ -158,7 +166,7 @@ def smplx_motion(
         at_rest = Body.default().rest_joints[0]
     else:
         at_rest = scale * pelvis
-    return motion_of(
+    motion = motion_of(
         where,
         options,
         format=format,
@@ -169,3 +177,10 @@ def smplx_motion(
         model="smplx",
         gender="neutral",
     )
+    return motion, metres_per_unit(source.leg)
+
+
+def metres_per_unit(leg: float) -> float | None:
+    """The unit in which a leg from hip to ankle is a person's; None: it is in none of them."""
+    low, high = _LEG
+    return next((unit for unit in _UNITS if low < unit * leg < high), None)

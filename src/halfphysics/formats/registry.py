@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
+from collections.abc import Mapping
 from collections.abc import Sequence as Listing
 from dataclasses import replace
 from pathlib import Path
@@ -144,6 +145,8 @@ FORMATS: dict[str, Format] = {
     )
 }
 
+#: Names of the rotations of all joints in one row a frame: AMASS's, then those of MoSh and others.
+_POSES = ("poses", "fullpose", "full_pose", "pose")
 #: What binary files of FBX begin with.
 _FBX = b"Kaydara FBX Binary"
 
@@ -390,6 +393,18 @@ def unknown(source: Source) -> FileError:
             "(halfphysics.clips(path) goes through a library)"
         )
     return FileError(
-        f"{source.path}: no known motion format. Found {source.describe()}. Expected one of: "
-        f"{known}"
+        f"{source.path}: no known motion format. Found {source.describe()}."
+        f"{_like_amass(source)} Expected one of: {known}"
     )
+
+
+def _like_amass(source: Source) -> str:
+    """How to make an AMASS file of fields that are AMASS's but for their name or their container;
+    empty for others."""
+    data = source.data if source.npz is None else source.npz
+    names = set(data) if isinstance(data, Mapping) else set()
+    poses = next((name for name in _POSES if name in names), None)
+    if poses is None or "trans" not in names:
+        return ""
+    named = "" if poses == _POSES[0] else f" with '{poses}' named '{_POSES[0]}'"
+    return f" These are AMASS's fields: save them as an .npz (numpy.savez(path, **fields)){named}."

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import pickle
 import zipfile
 from types import SimpleNamespace
 
@@ -102,6 +103,21 @@ def test_betas_of_any_shape_but_one_per_person(tmp_path):
     tiled[3, 2] += 0.1
     with pytest.raises(FileError, match="field 'betas': the shape changes over the frames"):
         Motion.load(write(tmp_path / "a.npz", base | {"betas": tiled}))
+
+
+@pytest.mark.parametrize("name", ["poses", "fullpose", "pose"])
+def test_amass_in_a_pickle_or_by_another_name_says_how_to_save_it(tmp_path, name):
+    content = fields("smplh")
+    poses = content.pop("poses")
+    (tmp_path / "a.pkl").write_bytes(pickle.dumps(content | {name: poses}, 2))
+    said = r"numpy\.savez\(path, \*\*fields\)\)" + (
+        "" if name == "poses" else f" with '{name}' named"
+    )
+    with pytest.raises(FileError, match=rf"These are AMASS's fields: save .* \({said}"):
+        Motion.load(tmp_path / "a.pkl")
+    if name != "poses":
+        with pytest.raises(FileError, match=rf"with '{name}' named 'poses'\. Expected one of"):
+            Motion.load(write(tmp_path / "a.npz", content | {name: poses}))
 
 
 def test_words_and_numbers_in_python_objects_are_read(tmp_path):

@@ -383,6 +383,7 @@ WRONG = {
     "tram: vectors": (TRAM, ("pred_rotmat",), lambda a: a[..., 0], "'pred_rotmat'.*expected"),
     "tram: no rotation": (TRAM, ("pred_rotmat",), lambda a: a * 0, "is no rotation"),
     "tram: wide": (TRAM, ("pred_trans",), _wide, "'pred_trans'.*expected"),
+    "slahmr: nobody": (SLAHMR, ("trans",), lambda a: a[:0], "'trans'.*of people and frames"),
     "slahmr: NaN": (SLAHMR, ("trans",), _nan, "'trans'.*NaN"),
     "slahmr: short": (SLAHMR, ("pose_body",), lambda a: a[:, :-2], "'pose_body'.*expected"),
     "slahmr: no floor": (SLAHMR, ("floor_plane",), np.zeros((1, 3)), "'floor_plane'"),

@@ -62,8 +62,10 @@ def _people(source: Source) -> dict[str, Seen]:
     npz = source.npz
     whole = Record(source.path, {} if npz is None else npz)
     shape = np.shape(whole.raw("trans"))
-    if len(shape) != 3 or shape[2] != 3 or shape[1] == 0:
-        raise whole.error("trans", f"found shape {shape}, expected (people, T, 3), T > 0")
+    if len(shape) != 3 or shape[2] != 3 or 0 in shape:
+        raise whole.error(
+            "trans", f"found shape {shape}, expected (people, T, 3) of people and frames, T > 0"
+        )
     people, frames = shape[:2]
     widths = {"trans": 3, "root_orient": 3, "pose_body": 63}
     rows = {key: whole.array(key, *shape[:2], width) for key, width in widths.items()}

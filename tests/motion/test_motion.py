@@ -222,6 +222,22 @@ def test_smplx_batches_matrices_and_missing_parts():
     assert angle_between(matrices.rotations, batched.rotations).max() < 1e-7
 
 
+@pytest.mark.parametrize("frames", [3, 20])
+def test_smplx_matrices_of_smpl_and_of_one_joint(frames):
+    motion = random_motion()[:frames]
+    p = motion.to_smplx()
+    body = np.concatenate([motion.rotations[:, 1:22], np.ones((frames, 2, 3))], axis=1)
+    found = Motion.from_smplx(
+        fps=30,
+        global_orient=rot.rotvec_to_matrix(motion.rotations[:, 0]),  # (T, 3, 3)
+        transl=p["transl"],
+        body_pose=rot.rotvec_to_matrix(body),  # (T, 23, 3, 3): the last two are rigid hands
+        jaw_pose=rot.rotvec_to_matrix(motion.rotations[:, 22]),
+    )
+    assert angle_between(found.rotations[:, :23], motion.rotations[:, :23]).max() < 1e-7
+    assert not found.rotations[:, 23:].any()
+
+
 def test_smplx_smpl_body_and_mean_hands():
     body = np.zeros((4, 69))
     body[:, 63:] = 1.0  # the rigid hands, which have no joint here

@@ -305,9 +305,11 @@ class Motion(InNotebook, ReadOnly):
         Args:
             fps: Frames per second.
             global_orient: Root rotations (T, 3); like all rotations here axis-angle [rad] with
-                any batch dimensions in front, or matrices (T, J, 3, 3); torch tensors too.
+                any batch dimensions in front, or matrices (T, J, 3, 3), of one joint also
+                (T, 3, 3); torch tensors too.
             transl: Translations (T, 3) [m].
-            body_pose: 21 joints, (T, 63), or SMPL's 23, (T, 69), whose rigid hands are dropped.
+            body_pose: 21 joints, (T, 63), or SMPL's 23, (T, 69), whose rigid hands are dropped;
+                as matrices (T, 21, 3, 3) or (T, 23, 3, 3).
             jaw_pose: (T, 3), as leye_pose and reye_pose; missing parts are zero.
             leye_pose: See jaw_pose.
             reye_pose: See jaw_pose.

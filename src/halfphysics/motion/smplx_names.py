@@ -52,11 +52,14 @@ def one_shape(name: str, betas: ArrayLike, frames: int) -> Array | None:
     return result
 
 
-def _axis_angle(name: str, value: ArrayLike, joints: int) -> Array:
-    """Rotations (T, J, 3) of axis-angle (..., 3 J) or (..., J, 3), or matrices (T, J, 3, 3)."""
+def _axis_angle(name: str, value: ArrayLike, joints: int, frames: int) -> Array:
+    """Rotations (T, J, 3) of axis-angle (..., 3 J) or (..., J, 3), or matrices (T, J, 3, 3), of one
+    joint also (T, 3, 3)."""
     array = as_array(value).astype(np.float64)
     if array.ndim == 4 and array.shape[1] == joints and array.shape[2:] == (3, 3):
         return rot.matrix_to_rotvec(array)
+    if joints == 1 and array.shape == (frames, 3, 3):  # of axis-angle it would be too many frames
+        return rot.matrix_to_rotvec(array[:, None])
     if array.shape[-1:] == (3 * joints,) or array.shape[-2:] == (joints, 3):
         return array.reshape(-1, joints, 3)
     way_out = ""
@@ -92,12 +95,14 @@ def read_parameters(
             continue
         joints = PARTS[name]
         array = as_array(value)
+        count = len(joints)
         if name == "body_pose" and (
-            array.shape[-1] == 3 * _SMPL_BODY or array.shape[-2:] == (_SMPL_BODY, 3)
+            array.shape[-1:] == (3 * _SMPL_BODY,)
+            or array.shape[-2:] == (_SMPL_BODY, 3)
+            or array.shape[-3:] == (_SMPL_BODY, 3, 3)
         ):
-            part = _axis_angle(name, array, _SMPL_BODY)[:, : len(joints)]
-        else:
-            part = _axis_angle(name, array, len(joints))
+            count = _SMPL_BODY
+        part = _axis_angle(name, array, count, frames)[:, : len(joints)]
         if len(part) not in (1, frames):
             raise InputError(
                 f"{name}: found {len(part)} frames, expected {frames} as in transl (or one)"

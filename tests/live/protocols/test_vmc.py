@@ -241,20 +241,67 @@ def test_a_models_own_rest_pose_turns_the_limbs():
     assert np.allclose(arm / np.linalg.norm(arm), [np.cos(drop), 0.0, -np.sin(drop)], atol=1e-6)
 
 
-def test_a_models_legs_give_the_scale():
-    """A model of half our size: what it goes is as far for us in legs, and so is its height."""
-    pose = any_pose(11)
-    decoder = VmcDecoder(PERSON, BODY)
-    messages = [m for packet in sent(pose) for m in osc.decode(packet)]
+def half_a_model(pose):
+    """A frame in messages of one bone each, of a model of half our size."""
     half = []
-    for message in messages:
+    for message in (m for packet in sent(pose) for m in osc.decode(packet)):
         name, *values = message.arguments or ("",)
         if message.address == "/VMC/Ext/Bone/Pos":
             values = [*(0.5 * x for x in values[:3]), *values[3:]]
             message = Message(message.address, (name, *values))
         half.append(osc.encode(message))
-    got = decoded(decoder, half * 2)[-1]
+    return half
+
+
+def test_a_models_legs_give_the_scale():
+    """A model of half our size: what it goes is as far for us in legs, and so is its height."""
+    pose = any_pose(11)
+    got = decoded(VmcDecoder(PERSON, BODY), half_a_model(pose) * 2)[-1]
     assert furthest(got.pose, pose) < ANGLE
+    assert np.allclose(got.pose.translation, pose.translation, atol=PLACE)
+
+
+@pytest.mark.parametrize("lost", ["LeftFoot", "LeftLowerLeg", "RightUpperLeg", "LeftLowerArm"])
+def test_a_packet_that_is_lost_leaves_the_model_as_it_is(lost):
+    """The bone is not tracked for a frame; the person is where they are, and as large."""
+    pose = any_pose(12)
+    whole = half_a_model(pose)
+    fewer = [packet for packet in whole if padded(lost) not in packet]
+    assert len(fewer) == len(whole) - 1
+    poses = decoded(VmcDecoder(PERSON, BODY), [*whole, *whole, *fewer, *whole, *whole])
+    assert [int(incoming.tracked.sum()) for incoming in poses] == [55, 55, 54, 55, 55]
+    for incoming in poses:
+        assert np.allclose(incoming.pose.translation, pose.translation, atol=PLACE)
+
+
+@pytest.mark.parametrize(
+    ("lost", "joint", "other"),
+    [("LowerArm", "left_elbow", "left_shoulder"), ("UpperArm", "left_shoulder", "left_elbow")],
+)
+def test_a_packet_that_is_lost_turns_no_limb(lost, joint, other):
+    """Of a model in an A-pose: one part of the arm hangs as before while the other is missing."""
+    drop = np.radians(40.0)
+    frame = [
+        bone("Hips", 0.0, 0.9, 0.0, 0.0, 0.0, 0.0, 1.0),
+        bone("LeftUpperArm", -0.2, 0.5, 0.0, 0.0, 0.0, 0.0, 1.0),
+        bone("LeftLowerArm", -0.3 * np.cos(drop), -0.3 * np.sin(drop), 0.0, 0.0, 0.0, HALF, HALF),
+        bone("LeftHand", -0.3 * np.cos(drop), -0.3 * np.sin(drop), 0.0, 0.0, 0.0, 0.0, 1.0),
+    ]
+    fewer = [packet for packet in frame if padded(f"Left{lost}") not in packet]
+    poses = decoded(VmcDecoder(PERSON, BODY), [*frame * 2, *fewer, *frame * 2])
+    missing = [not incoming.tracked[JOINT_INDEX[joint]] for incoming in poses]
+    assert missing == [False, False, True, False, False]
+    turns = np.array([incoming.pose.rotations[JOINT_INDEX[other]] for incoming in poses])
+    assert np.allclose(turns, turns[0], atol=1e-12)
+    assert np.linalg.norm(turns[0]) > 0.5
+
+
+def test_another_model_is_fitted_anew():
+    pose = any_pose(13)
+    whole = [osc.encode(m) for packet in sent(pose) for m in osc.decode(packet)]
+    decoder = VmcDecoder(PERSON, BODY)
+    decoded(decoder, half_a_model(pose) * 2)
+    got = decoded(decoder, whole * 2)[-1]
     assert np.allclose(got.pose.translation, pose.translation, atol=PLACE)
 
 

@@ -30,6 +30,7 @@ from halfphysics.live.protocols.udp import UdpReceiver, UdpSender
 from halfphysics.motion.skeleton import JOINT_INDEX, N_JOINTS
 
 Array = NDArray[np.float64]
+Bools = NDArray[np.bool_]
 
 #: Port on which a marionette listens.
 PORT = 39539
@@ -88,7 +89,7 @@ class _Frame:
     """What has come of a frame: of each bone position and rotation as they were sent (55, 7)."""
 
     rows: Array = field(default_factory=lambda: np.tile(_REST, (N_JOINTS, 1)))
-    given: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(N_JOINTS, dtype=bool))
+    given: Bools = field(default_factory=lambda: np.zeros(N_JOINTS, dtype=bool))
     done: bool = False
 
 
@@ -109,8 +110,10 @@ class VmcDecoder:
         self._root = (np.zeros(3), _IDENTITY)
         self._time: float | None = None
         self._frame = _Frame()
-        self._expected: NDArray[np.bool_] | None = None
-        self._aligned_to: Array | None = None
+        self._expected: Bools | None = None
+        # Of the model that the rig is fitted to: places of its bones (55, 3), and which have come.
+        self._offsets = np.zeros((N_JOINTS, 3))
+        self._seen = np.zeros(N_JOINTS, dtype=bool)
         self._calibrated = self._wanted = False
 
     def calibrate(self) -> None:
@@ -167,8 +170,9 @@ class VmcDecoder:
         offsets = unity.position(frame.rows[:, :3])
         offsets[0] = root_at + rot.rotate(root, offsets[0])
         self._fit(frame, world, offsets)
-        pose, tracked = self.rig.pose(world, frame.given, offsets[0], self._body)
-        return [IncomingPose(self._person, pose, self._time, tracked, self._source)]
+        # A bone that is missing is at rest on the one above, so what hangs on it is turned rightly.
+        pose, _ = self.rig.pose(world, self._seen | frame.given, offsets[0], self._body)
+        return [IncomingPose(self._person, pose, self._time, frame.given.copy(), self._source)]
 
     def _fit(self, frame: _Frame, world: Array, offsets: Array) -> None:
         """Calibrate if it was asked for; else the limbs of a model are along its own rest pose."""
@@ -181,19 +185,30 @@ class VmcDecoder:
                 left = None
             self.rig = calibrated(self.rig, world, self._body, height=offsets[0, 1], left=left)
             return
-        rest = offsets[1:]
-        moved = self._aligned_to is None or np.abs(rest - self._aligned_to).max() > _MOVED
-        if moved and not self._calibrated:
-            self._aligned_to = rest.copy()
+        if self._is_new(frame.given, offsets) and not self._calibrated:
             still = np.tile(_IDENTITY, (N_JOINTS, 1))
-            places = humanoid.CHAIN.world_positions(still, offsets)
-            fresh = replace(Rig.of(range(N_JOINTS)), scale=self._scale(frame, places))
-            self.rig = fresh.aligned(places, still, frame.given, self._body)
+            places = humanoid.CHAIN.world_positions(still, self._offsets)
+            fresh = replace(Rig.of(range(N_JOINTS)), scale=self._scale(places))
+            self.rig = fresh.aligned(places, still, self._seen, self._body)
 
-    def _scale(self, frame: _Frame, places: Array) -> float:
+    def _is_new(self, given: Bools, offsets: Array) -> bool:
+        """Whether bones came that are not those of the model that is known.
+
+        A bone that is missing, since its packet was lost, is where it was: the model is the same.
+        """
+        both = given & self._seen
+        both[0] = False  # the hips move
+        if (np.abs(offsets - self._offsets)[both] > _MOVED).any():  # another model
+            self._offsets[:], self._seen[:] = 0.0, False
+        new = given & ~self._seen
+        self._offsets[new] = offsets[new]
+        self._seen |= given
+        return bool(new.any())
+
+    def _scale(self, places: Array) -> float:
         """Our leg over the model's, from the pelvis down to the ankles; 1 if it has none."""
         theirs, ours = (at[0, 1] - at[_ANKLES, 1].mean() for at in (places, self._body.rest_joints))
-        known = frame.given[_ANKLES].all() and HEIGHTS[0] < theirs < HEIGHTS[1]
+        known = self._seen[_ANKLES].all() and HEIGHTS[0] < theirs < HEIGHTS[1]
         return float(ours / theirs) if known else 1.0
 
     def _device(self, address: str, serial: str, values: Array) -> None:

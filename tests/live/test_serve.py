@@ -55,6 +55,8 @@ def test_beyond_this_machine_there_is_a_token(scene):
         ({"host": "no.such.host.invalid"}, "no address"),
         ({"listen": ["vmc:0", "vmc:0"]}, "at most one for each"),
         ({"listen": ["telepathy"]}, "telepathy"),
+        ({"listen": ["vmc"], "forward": ["vmc"]}, r"follow themselves.*vmc:127\.0\.0\.1:39540"),
+        ({"listen": ["vmc,calibrate=5"], "forward": ["vmc:localhost:39539"]}, "follow themselves"),
     ],
 )
 def test_mistakes(scene, options, said):

@@ -107,6 +107,7 @@ class LiveServer:
         with contextlib.ExitStack() as started:
             if recorder is not None:
                 started.callback(recorder.close)
+            self._check(listen, forward)
             # In the order in which they are told: those who wait for the frame come first.
             self.server.start()
             started.callback(self.server.stop)
@@ -156,17 +157,22 @@ class LiveServer:
         state = f"at {self.url}" if self.running else "stopped"
         return f"LiveServer({len(self.session.people)} people, {state})"
 
+    def _check(self, listen: Sequence[str], forward: Sequence[str]) -> None:
+        from halfphysics.live import protocols
+
+        self._enough(listen, "listen")
+        self._enough(forward, "forward")
+        protocols.check(listen, forward)
+
     def _receivers(self, texts: Sequence[str]) -> list[Receiver]:
         from halfphysics.live import protocols
 
-        self._enough(texts, "listen")
         people = zip(texts, self.session.people, self.session.simulator.bodies, strict=False)
         return [protocols.receiver(text, person=name, body=body) for text, name, body in people]
 
     def _senders(self, texts: Sequence[str]) -> list[Sender]:
         from halfphysics.live import protocols
 
-        self._enough(texts, "forward")
         people = zip(texts, self.session.people, self.session.simulator.bodies, strict=False)
         return [protocols.sender(text, person=name, body=body) for text, name, body in people]
 
@@ -174,6 +180,7 @@ class LiveServer:
         people = len(self.session.people)
         if len(texts) > people:
             raise InputError(
-                f"{what}: found {len(texts)} protocols for {people} people, expected at most one "
-                "for each. Give more people"
+                f"{what}: found {len(texts)} protocols for {people} "
+                f"{'person' if people == 1 else 'people'}, expected at most one for each. Give "
+                "more people"
             )

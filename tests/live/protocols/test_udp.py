@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from halfphysics.errors import InputError
 from halfphysics.live.protocols import vmc
-from halfphysics.live.protocols.endpoint import Endpoint, endpoint
+from halfphysics.live.protocols.endpoint import Endpoint, check_apart, endpoint
 from halfphysics.live.protocols.malformed import Malformed
 from halfphysics.live.protocols.udp import MAX_RATE, SILENCE, UdpReceiver, UdpSender
 from support.live_frames import BODY, PERSON, any_pose, furthest, outgoing
@@ -174,6 +174,28 @@ def test_endpoints(text, expected):
 def test_what_is_no_endpoint_is_said(text):
     with pytest.raises(InputError, match="expected PROTOCOL"):
         endpoint(text, 7)
+
+
+@pytest.mark.parametrize(
+    ("listen", "forward", "said"),
+    [
+        (["vmc:7", "vmc:7"], [], r"listen: found vmc:127\.0\.0\.1:7 for two people.*:8$"),
+        (["vmc:7", "mocopi:localhost:7"], [], "two people"),
+        ([], ["vmc:10.0.0.1:7", "vmc:10.0.0.1:7"], r"forward: .*two people"),
+        (["vmc:7"], ["vmc:7"], r"forward: found vmc:127\.0\.0\.1:7, where poses come in"),
+        (["vmc:0.0.0.0:65535"], ["vmc:65535"], r"such as vmc:127\.0\.0\.1:65534$"),
+        (["vmc:1", "vmc:7"], ["mocopi:8", "vmc:localhost:7"], "follow themselves"),
+    ],
+)
+def test_what_goes_out_does_not_come_in_again(listen, forward, said):
+    with pytest.raises(InputError, match=said):
+        check_apart([endpoint(t, 1) for t in listen], [endpoint(t, 1) for t in forward])
+
+
+def test_places_of_their_own_are_fine():
+    listen = [endpoint(text, 1) for text in ("vmc:0", "vmc:0", "vmc:7", "vmc:0.0.0.0:8")]
+    forward = [endpoint(text, 1) for text in ("vmc:9", "vmc:10.0.0.1:7", "mocopi:10.0.0.1:8")]
+    check_apart(listen, forward)
 
 
 def test_loopback_is_known():

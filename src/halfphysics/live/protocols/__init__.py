@@ -6,7 +6,7 @@ A module has `PORT` and a function `receiver`, `sender` or both. It is imported 
 from __future__ import annotations
 
 import importlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -86,6 +86,23 @@ def sender(text: str, *, person: str, body: Body) -> Sender:
 def endpoint_of(text: str) -> Endpoint:
     """Where "vmc:HOST:PORT" leads, with the protocol's own port where none is given."""
     return _module(text, {**RECEIVERS, **SENDERS}, "known")[1]
+
+
+def check(listen: Sequence[str], forward: Sequence[str]) -> None:
+    """That several people's protocols do not meet at one address; see `check_apart`.
+
+    Args:
+        listen: As for `receiver`, one for each person.
+        forward: As for `sender`, likewise.
+
+    Raises:
+        InputError: They meet, or one is not known.
+    """
+    from halfphysics.live.protocols.endpoint import check_apart
+
+    heard = [_module(text.partition(",")[0], RECEIVERS, "received")[1] for text in listen]
+    sent = [_module(text, SENDERS, "sent")[1] for text in forward]
+    check_apart(heard, [place for place in sent if place.protocol in RECEIVERS])
 
 
 def _module(text: str, known: Mapping[str, str], done: str) -> tuple[Any, Endpoint]:

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import ipaddress
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 from halfphysics.errors import InputError
 from halfphysics.live.safety import is_loopback
 
 #: The address that is taken where none is given: nothing from or to other machines.
 LOOPBACK = "127.0.0.1"
+_LOOPBACKS = {LOOPBACK, "localhost"}
+#: All addresses of this machine.
+_ALL = {"0.0.0.0", "::"}
 
 
 @dataclass(frozen=True)
@@ -55,6 +59,45 @@ def endpoint(text: str, default_port: int) -> Endpoint:
             f"to 65535, such as {protocol or 'vmc'}:{LOOPBACK}:{default_port}"
         )
     return Endpoint(protocol, host, number)
+
+
+def check_apart(listen: Sequence[Endpoint], forward: Sequence[Endpoint]) -> None:
+    """That everybody has an address of their own, and nobody is sent to where they are heard.
+
+    Args:
+        listen: Where poses come in, of one person each.
+        forward: Where corrected poses go out to, likewise.
+
+    Raises:
+        InputError: One address is given twice, or what goes out would come in again.
+    """
+    for what, places in (("listen", listen), ("forward", forward)):
+        for i, place in enumerate(places):
+            if any(_reaches(place, other) for other in places[:i]):
+                raise InputError(
+                    f"{what}: found {place} for two people, expected a port for each. Give "
+                    f"another, such as {_beside(place)}"
+                )
+    for place in forward:
+        if any(_reaches(place, other) for other in listen):
+            raise InputError(
+                f"forward: found {place}, where poses come in: people would follow themselves. "
+                f"Forward to another port, such as {_beside(place)}"
+            )
+
+
+def _reaches(place: Endpoint, other: Endpoint) -> bool:
+    """Whether what is sent to one place is heard at the other; port 0 is any free one."""
+    if place.port != other.port or place.port == 0:
+        return False
+    hosts = {place.host, other.host}
+    everywhere = other.host in _ALL and (place.is_local or place.host in _ALL)
+    return len(hosts) == 1 or hosts <= _LOOPBACKS or everywhere
+
+
+def _beside(place: Endpoint) -> Endpoint:
+    """The same with the next port."""
+    return replace(place, port=place.port + 1 if place.port < 65535 else place.port - 1)
 
 
 def _is_address(host: str) -> bool:

@@ -57,6 +57,22 @@ def test_what_is_wrong_is_refused_in_one_sentence(name):
     assert len(str(caught.value)) < 500
 
 
+@pytest.mark.parametrize("number", [float("nan"), float("inf"), -float("inf")])
+def test_numbers_that_are_none_are_named(number):
+    """As a lost tracker gives them; Python's json writes them, though JSON has no such numbers."""
+    text = '{"type": "pose", "people": {"ada": {"translation": [0, %s, 0]}}}'
+    with pytest.raises(InputError, match=r"-?(NaN|Infinity) is no number of JSON; .*'tracked'"):
+        schema.from_client(text % json.dumps(number))
+
+
+@pytest.mark.parametrize("number", [float("nan"), float("inf"), -float("inf")])
+@pytest.mark.parametrize("message", [schema.Ping(1, 0.0), POSE])
+def test_times_are_finite(message, number):
+    told = msgspec.structs.replace(message, time=number)
+    with pytest.raises(InputError, match=r"at `\$\.time`"):
+        schema.from_client(schema.encode(told, True))
+
+
 def test_messages_of_the_server_come_back():
     for message in (
         schema.Done(3),

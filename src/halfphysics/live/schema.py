@@ -6,6 +6,7 @@ sends is checked here: unknown fields are ignored, wrong types, lengths and numb
 
 from __future__ import annotations
 
+import re
 from typing import Annotated, Any, Literal
 
 import msgspec
@@ -32,6 +33,8 @@ UNITS = {"length": "m", "angle": "rad", "time": "s", "mass": "kg", "force": "N",
 AXES = "right-handed, z up"
 
 Name = Annotated[str, Meta(min_length=1, max_length=100)]
+#: A client's clock [s], of any origin: any finite number.
+Time = Annotated[float, Meta(ge=-1e300, le=1e300)]
 Metres = Annotated[float, Meta(ge=-MAX_DISTANCE, le=MAX_DISTANCE)]
 Radians = Annotated[float, Meta(ge=-MAX_ROTATION, le=MAX_ROTATION)]
 Point = tuple[Metres, Metres, Metres]
@@ -60,7 +63,7 @@ class PoseMessage(Struct, tag="pose"):
     """Poses of people who were measured at one moment: they are stepped together."""
 
     people: Annotated[dict[Name, PersonPose], Meta(min_length=1, max_length=MAX_PEOPLE)]
-    time: float | None = None
+    time: Time | None = None
 
 
 class Add(Struct, tag_field="action", tag="add"):
@@ -149,7 +152,7 @@ class Ping(Struct, tag="ping"):
     """Answered at once, with the server's clock."""
 
     id: Id = None
-    time: float | None = None
+    time: Time | None = None
 
 
 class ClientHello(Struct, tag="hello"):
@@ -380,9 +383,15 @@ def from_server(data: str | bytes) -> FromServer:
         raise InputError(_wrong(data, error)) from None
 
 
+#: What some programs write into JSON for numbers that are none.
+_NOT_FINITE = re.compile(r"(?<=[\s:,\[])-?(?:NaN|Infinity)\b")
+
+
 def _wrong(data: str | bytes, error: Exception) -> str:
-    kind = "JSON" if isinstance(data, str) else "MessagePack"
+    kind, said = "JSON" if isinstance(data, str) else "MessagePack", str(error)[:300]
+    if isinstance(data, str) and (odd := _NOT_FINITE.search(data)) is not None:
+        said = f"{odd[0]} is no number of JSON; joints that are not known are false in 'tracked'"
     return (
         f"message: found {kind} of {len(data)} characters that is no message of version "
-        f"{VERSION}: {str(error)[:300]}. docs/live.md describes the messages"
+        f"{VERSION}: {said}. docs/live.md describes the messages"
     )

@@ -101,6 +101,27 @@ STYLES = {
             lambda s, f, k: f"J_Bip_{s[0].upper()}_{f.replace('pinky', 'little').capitalize()}{k}",
         ).items()
     },
+    "Axis Studio": renamed(lambda n: f"Robot_{n}"),
+    "Sketchfab": {j: f"{n}_{k:02d}" for k, (j, n) in enumerate(MIXAMO.items(), 2)},
+    "a second one in Blender": renamed(lambda n: f"mixamorig:{n}.001"),
+    "Daz": styled(
+        {**_BIPED, "hip": "ThighBend", "knee": "Shin", "foot": "Toe", "collar": "Collar"}
+        | {"shoulder": "ShldrBend", "elbow": "ForearmBend"},
+        lambda s, n: f"{s[0]}{n}",
+        lambda s, f, k: f"{s[0]}{f.replace('middle', 'mid').capitalize()}{k}",
+    ),
+    "Motive": styled(
+        {**_BIPED, "knee": "Shin", "foot": "Toe", "collar": "Shoulder"}
+        | {"shoulder": "UArm", "elbow": "FArm"},
+        lambda s, n: f"Skeleton 001:{s[0].upper()}{n}",
+        None,
+    ),
+    "MakeHuman": styled(
+        {**_BIPED, "hip": "upperleg01", "knee": "lowerleg01", "foot": "toe", "wrist": "wrist"}
+        | {"collar": "clavicle", "shoulder": "upperarm01", "elbow": "lowerarm01"},
+        lambda s, n: f"{n}.{s[0].upper()}",
+        lambda s, f, k: f"finger{HAND.index(f) + 1}-{k}.{s[0].upper()}",
+    ),
     "rThigh": styled(_BIPED, lambda s, n: f"{s[0]}{n.replace('Toe0', 'Toe')}", None),
 }
 

@@ -1,10 +1,10 @@
 """Matches the joints of a skeleton to SMPL-X joints by name.
 
-CMU, Mixamo, Rokoko, LAFAN1, MotionBuilder, 3ds Max Biped, Unreal, Blender Rigify, SMPL and others
-differ in prefixes, in how they mark left and right, and in a few words per joint. Names are split
-into words, and each SMPL-X joint has the words that name it; if one word names two joints
+CMU, Mixamo, Rokoko, LAFAN1, MotionBuilder, 3ds Max Biped, Unreal, Blender Rigify, Daz, SMPL and
+others differ in prefixes, in how they mark left and right, and in a few words per joint. Names are
+split into words, and each SMPL-X joint has the words that name it; if one word names two joints
 ("LeftShoulder" is the collar in Mixamo and the upper arm in older skeletons), the other names of
-the same side decide.
+the same side decide. What all names have in common is left out where more joints are known then.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from halfphysics.formats.skeletons.shared_affixes import without_affixes
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES, N_JOINTS
 
 _PREFIX = re.compile(
@@ -24,14 +25,19 @@ _SUFFIX = re.compile(r"(_jnt|_joint|_bone)$", re.IGNORECASE)
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 _SIDES = {"l": "left", "r": "right", "left": "left", "right": "right"}
 
-_UPPER_ARM = ("upperarm", "uparm", "humerus", "arm")
+# Daz Genesis has a limb in two, of which the upper one bends ("lShldrBend"), MakeHuman numbers the
+# two, Motive has "LUArm" and "LFArm".
+_UPPER_ARM = ("upperarm", "uparm", "uarm", "shldrbend", "upperarm01", "humerus", "arm")
 _SHOULDER = ("shoulder", "shldr")
 _COLLAR = ("collar", "clavicle", "clav", "shoulderblade", "scapula")
-_ELBOW = ("forearm", "lowerarm", "lowarm", "elbow", "radius")
-_THIGH = ("upleg", "upperleg", "thigh", "femur")
+_ELBOW = (
+    *("forearm", "lowerarm", "lowarm", "farm", "forearmbend", "lowerarm01"),
+    *("elbow", "radius"),
+)
+_THIGH = ("upleg", "upperleg", "thighbend", "upperleg01", "thigh", "femur")
 _HIP = ("hip", "hipjoint")
-_SHIN = ("lowerleg", "lowleg", "calf", "shin", "knee", "tibia", "leg")
-_NECK = ("neck", "lowerneck", "neck1", "neck01", "neck0")
+_SHIN = ("lowerleg", "lowleg", "lowerleg01", "calf", "shin", "knee", "tibia", "leg")
+_NECK = ("neck", "lowerneck", "necklower", "neck1", "neck01", "neck0")
 _TOE = ("toe", "toebase", "toes", "ball", "toe0")
 _FINGERS = {
     "thumb": "thumb",
@@ -68,7 +74,10 @@ def parse(name: str) -> Name:
         bare = bare[match.end() :]
     bare = _SUFFIX.sub("", bare)
     words = [word.lower() for word in _WORD.findall(bare)]
-    # "lThigh", "LHipJoint", "lfemur" and "Lefthand" have no separator after the side.
+    # "lThigh", "LHipJoint", "lfemur" and "Lefthand" have no separator after the side, and the side
+    # of "LUArm" is in one word with the next letter.
+    if "".join(words)[1:] in _IN_ONE:
+        words = ["".join(words)]
     if words and words[0] not in _SIDES:
         for side in ("left", "right", "l", "r"):
             rest = words[0].removeprefix(side)
@@ -80,6 +89,8 @@ def parse(name: str) -> Name:
     return Name(sides[0] if sides else "", kept)
 
 
+#: Of which the first letter is a word of its own: "UArm".
+_IN_ONE = {"uarm", "farm"}
 _AFTER_SIDE = {
     *_UPPER_ARM,
     *_SHOULDER,
@@ -107,6 +118,13 @@ def match_joints(names: Sequence[str], parents: Sequence[int]) -> dict[int, int]
     if names_of_smplx(names):
         index = {name: i for i, name in enumerate(names)}
         return {j: index[name] for name, j in JOINT_INDEX.items()}
+    found, bare = _matched(names, parents), without_affixes(names)
+    other = found if bare == list(names) else _matched(bare, parents)
+    return other if len(other) > len(found) else found
+
+
+def _matched(names: Sequence[str], parents: Sequence[int]) -> dict[int, int]:
+    """`match_joints` by these very names."""
     taken = [parse(name) for name in names]
     found: dict[int, int] = {}
 

@@ -46,15 +46,18 @@ def test_a_joint_that_flips_is_named(tmp_path, turned, seen):
     assert np.linalg.norm(joints[1] - joints[0], axis=1).max() * 60.0 > speed_check.JOINT_SPEED
 
 
-@pytest.mark.parametrize("arms", [0.0, 0.8])
+@pytest.mark.parametrize(("arms", "legs"), [(0.0, 0.0), (0.8, 0.0), (1.57, 0.35)])
 @pytest.mark.parametrize("root", [0.5, 3.0])
-def test_a_rest_pose_before_the_clip_is_named(tmp_path, root, arms):
-    """A T-pose or an A-pose at the origin, and the clip elsewhere: a warning, or an error."""
+def test_a_rest_pose_before_the_clip_is_named(tmp_path, root, arms, legs):
+    """A T-pose, an A-pose, or CMU's with legs 20 degrees apart, at the origin, and the clip
+    elsewhere: a warning, or an error."""
     translation, rotations = movement(60)
     translation += [root, 0.0, 0.0]
     first = np.zeros((1, 55, 3))
     first[0, 0] = UPRIGHT["z"]
     first[0, [16, 17], 2] = -arms, arms
+    first[0, [1, 2], 2] = legs, -legs
+    first[0, [7, 8], 2] = -legs, legs
     path = tmp_path / "a.npz"
     poses = np.concatenate([first, rotations]).reshape(61, 165)
     places = np.concatenate([np.zeros((1, 3)), translation])
@@ -67,6 +70,14 @@ def test_a_rest_pose_before_the_clip_is_named(tmp_path, root, arms):
         with pytest.warns(HalfPhysicsWarning, match=way_out):
             hp.Motion.load(path)
     assert len(hp.Motion.load(path, frames=(1, None))) == 60  # and without a word
+
+
+@pytest.mark.parametrize(("joint", "turn"), [(1, 0.5), (4, 0.5), (18, 0.5), (16, 0.5)])
+def test_a_step_or_a_bent_limb_is_no_rest_pose(joint, turn):
+    rotations = np.zeros((55, 3))
+    assert speed_check.is_rest_pose(rotations)
+    rotations[joint, 0] = turn
+    assert not speed_check.is_rest_pose(rotations)
 
 
 def test_a_rate_that_is_wrong_is_seen(tmp_path):

@@ -22,11 +22,14 @@ _JOINTS = 22
 _REACH = np.zeros(_JOINTS)
 _REACH[[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]] = 1.3, 1.2, 1.2, 1.3, 0.7, 0.7, 1.2, 0.3, 0.3, 1.1
 _REACH[[12, 13, 14, 16, 17, 18, 19]] = 0.3, 0.9, 0.9, 0.8, 0.8, 0.4, 0.4
-#: Joints that are straight in any rest pose: legs, spine, neck, head, elbows; and the shoulders,
-#: which are as one another's mirror image. Turns below this count as none [rad].
-_STIFF = [1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 15, 18, 19]
-_ARMS = [16, 17]
+#: Joints that are straight in any rest pose: knees, spine, neck, head, elbows. Turns below this
+#: count as none [rad].
+_STIFF = [3, 4, 5, 6, 9, 12, 15, 18, 19]
 _REST = 0.3
+#: Joints that are as one another's mirror image: arms at any height, and legs that are apart, as in
+#: CMU's skeleton, by at most this [rad].
+_ARMS, _LEGS = ((16, 17),), ((1, 2), (7, 8))
+_APART = 0.6
 # Number of frames computed at once: bounds the memory.
 _CHUNK = 8192
 
@@ -55,10 +58,14 @@ def warn_of_speed(where: str, motion: Motion, start: int = 0) -> None:
 
 def is_rest_pose(rotations: Array) -> bool:
     """Whether a person (55, 3) is at rest, as in a T-pose: exporters put it before the clip."""
-    arms = rotations[_ARMS]
     # The mirror image of a turn (x, y, z) is (x, -y, -z).
-    even = np.abs(arms[0] - arms[1] * [1.0, -1.0, -1.0]).max() < _REST
-    return bool(np.linalg.norm(rotations[_STIFF], axis=1).max() < _REST and even)
+    even = all(
+        np.abs(rotations[left] - rotations[right] * [1.0, -1.0, -1.0]).max() < _REST
+        for left, right in _ARMS + _LEGS
+    )
+    turns = np.linalg.norm(rotations, axis=1)
+    legs = turns[[joint for pair in _LEGS for joint in pair]]
+    return even and bool(turns[_STIFF].max() < _REST and legs.max() < _APART)
 
 
 def rest_pose_first(start: int) -> str:

@@ -209,6 +209,12 @@ def test_the_text_may_be_laid_out_in_any_way(tmp_path):
         ("1.0e-2", 100.0),
         ("0.04", 25.0),
         ("0.0224719101123596", 44.5),
+        ("0.017", 60.0),
+        ("0.03", 30.0),
+        ("0.0417", 24.0),
+        ("0.0417083", 24.0 / 1.001),
+        ("0.016949", 59.0),
+        ("0.0333", 30.0),
     ],
 )
 def test_frame_time_that_was_rounded_is_the_rate_that_was_meant(tmp_path, said, fps):

@@ -29,6 +29,8 @@ Array = NDArray[np.float64]
 
 # Far above any mocap file (an hour of 200 joints at 120 fps is about 2 GB of text).
 _MAX_BYTES = 4 * 2**30
+# Rates of animations, cameras and suits: where a time of two digits fits several, one of these.
+_USUAL = (30, 60, 120, 24)
 # Relative tolerance between a rate and the printed frame time.
 _SAME_RATE = 1e-12
 
@@ -186,9 +188,9 @@ def _no_number(path: Path, rows: list[tuple[int, str]]) -> FileError:
 def _rate(text: str) -> float | None:
     """Frames per second of a printed frame time; None: it is impossible.
 
-    A rate of few digits that is this exactly, else a whole or a television rate (30000 / 1001)
-    that prints as `text` is taken: 0.08 is 12.5 frames per second, 0.0333333 is 30, 0.008342 is
-    119.88.
+    A rate of few digits that is this exactly, else a rate of cameras and suits (30, 60, 120), else
+    any whole or television rate (30000 / 1001) that prints as `text` is taken: 0.08 is 12.5 frames
+    per second, 0.017 is 60, 0.0333333 is 30, 0.008342 is 119.88.
     """
     try:
         seconds = one_number(text)
@@ -203,7 +205,7 @@ def _rate(text: str) -> float | None:
     short = round(1.0 / seconds, 3)
     if short > 0 and abs(1.0 / short - seconds) < _SAME_RATE * seconds:
         return short
-    for rate in (whole, round(1.001 / seconds) / 1.001):
+    for rate in (*_USUAL, whole, round(1.001 / seconds) / 1.001):
         if rate > 0 and abs(1.0 / rate - seconds) <= slack:
             return float(rate)
     return 1.0 / seconds

@@ -147,8 +147,9 @@ FORMATS: dict[str, Format] = {
 
 #: Names of the rotations of all joints in one row a frame: AMASS's, then those of MoSh and others.
 _POSES = ("poses", "fullpose", "full_pose", "pose")
-#: What binary files of FBX begin with.
+#: What binary files of FBX begin with, and files of USD, and how the latter end.
 _FBX = b"Kaydara FBX Binary"
+_USD, _USD_SUFFIXES = (b"PXR-USDC", b"#usda"), (".usd", ".usda", ".usdc", ".usdz")
 
 
 def identify(source: Source) -> Format | None:
@@ -382,6 +383,12 @@ def unknown(source: Source) -> FileError:
             f"{source.path}: this is an FBX file, whose layout is not published, expected an open "
             "one. Convert it, for example in Blender: File > Import > FBX, then File > Export > "
             "glTF 2.0 with its animation"
+        )
+    if source.head.startswith(_USD) or source.path.suffix.lower() in _USD_SUFFIXES:
+        return FileError(
+            f"{source.path}: this is a USD file, which is written but not read, expected a motion. "
+            "Convert it, for example in Blender: File > Import > Universal Scene Description, then "
+            "File > Export > glTF 2.0 with its animation"
         )
     known = "; ".join(
         f"{format.name}: {format.expects}" for format in FORMATS.values() if format.sniff

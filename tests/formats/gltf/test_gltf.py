@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import warnings
+import zipfile
 
 import numpy as np
 import pytest
@@ -124,6 +125,28 @@ def test_ours_in_a_unit_that_fits_nobody_is_refused(tmp_path):
     (tmp_path / "a.gltf").write_text(json.dumps(content))
     with pytest.raises(HalfPhysicsError, match=r"pelvis to left_hip.*is it in metres\?"):
         read(tmp_path / "a.gltf")
+
+
+@pytest.mark.filterwarnings("ignore::halfphysics.errors.HalfPhysicsWarning")
+def test_what_is_exported_and_scaled_to_centimetres_comes_back(tmp_path):
+    """As scenes of programs are whose unit is the centimetre: all below one node of scale 100."""
+    people = hp.Motion(*movement(20, seed=3), 30.0)
+    scene = hp.Scene()
+    path = [0.5, 0.2, 1.0] + 0.3 * np.linspace(0.0, 1.0, 20)[:, None]
+    still = np.tile([1.0, 0.0, 0.0, 0.0], (20, 1))
+    scene.add_moving("box", hp.Box((0.1, 0.2, 0.3)), path, still, fps=30.0)
+    recorded = {"box": ObjectTrack(position=path, quaternion=still)}
+    hp.export(hp.Sequence(people, scene, BODY, recorded=recorded), tmp_path / "a.gltf")
+    file = json.loads((tmp_path / "a.gltf").read_text())
+    file["nodes"].append({"scale": [100.0] * 3, "children": file["scenes"][0]["nodes"]})
+    file["scenes"][0]["nodes"] = [len(file["nodes"]) - 1]
+    (tmp_path / "a.gltf").write_text(json.dumps(file))
+    back = quiet(tmp_path / "a.gltf", objects="replayed")
+    assert back.body is None
+    assert off(back.motion, people) < SINGLE
+    assert np.abs(back.recorded["box"].position - path).max() < SINGLE
+    sizes = np.ptp(back.scene.objects["box"].shape.vertices, axis=0)
+    assert np.abs(np.sort(sizes) - [0.1, 0.2, 0.3]).max() < SINGLE
 
 
 # -- rigs of other programs ------------------------------------------------------------------------
@@ -453,7 +476,7 @@ WRONG = {
     "nodes of text": (lambda b: b.json.__setitem__("nodes", "many"), "expected a list of objects"),
     "a scale of nothing": (
         lambda b: b.json["nodes"][0].__setitem__("scale", [0, 0, 0]), "have no extent"),
-    "a mirror": (lambda b: b.json["nodes"][0].__setitem__("scale", [-1, 1, 1]), "mirror"),
+    "a mirror": (lambda b: b.json["nodes"][0].__setitem__("scale", [-1, 1, 1]), "mirror.*Apply"),
     "a shear": (lambda b: b.json["nodes"][0].__setitem__("scale", [1, 5, 1]), "shear|scales"),
     "a scale of words": (
         lambda b: b.json["nodes"][0].__setitem__("scale", ["a", {}, None]), "expected 3 numbers"),
@@ -514,6 +537,16 @@ def test_fbx_says_how_to_convert_it(tmp_path):
         with pytest.raises(
             HalfPhysicsError, match="File > Import > FBX, then File > Export > glTF"
         ):
+            read(tmp_path / name)
+
+
+def test_usd_says_how_to_convert_it(tmp_path):
+    (tmp_path / "a.usda").write_bytes(b"#usda 1.0\n")
+    (tmp_path / "b").write_bytes(b"PXR-USDC\0\x08")
+    with zipfile.ZipFile(tmp_path / "c.usdz", "w") as archive:
+        archive.writestr("c.usdc", b"PXR-USDC\0\x08")
+    for name in ("a.usda", "b", "c.usdz"):
+        with pytest.raises(HalfPhysicsError, match=r"USD file.*File > Export > glTF"):
             read(tmp_path / name)
 
 

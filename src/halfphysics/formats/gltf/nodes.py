@@ -124,10 +124,14 @@ class Nodes:
     def _of_matrix(self, node: int, columns: Array) -> dict[str, Array]:
         matrix = columns.reshape(4, 4).T
         scale = np.linalg.norm(matrix[:3, :3], axis=0)
-        if (scale == 0.0).any() or np.linalg.det(matrix[:3, :3]) <= 0.0:
+        extent = np.linalg.det(matrix[:3, :3])
+        if (scale == 0.0).any() or extent == 0.0:
             raise self.container.error(
-                f"node {self.names[node]!r}: its matrix mirrors or has no extent, which is not read"
+                f"node {self.names[node]!r}: its matrix has no extent, expected one that can be "
+                "inverted"
             )
+        if extent < 0.0:
+            scale[0] = -scale[0]
         turn = rot.from_matrix(matrix[:3, :3] / scale)
         return {"translation": matrix[:3, 3], "rotation": turn[[1, 2, 3, 0]], "scale": scale}
 

@@ -231,7 +231,8 @@ def animated(nodes: Nodes, rig: Rig, animation: Animation, times: Array) -> Anim
             own[rows], places[rows] = rotations_of_matrices(transforms)[0], transforms[..., :3, 3]
     except ValueError as error:
         raise nodes.container.error(
-            f"skeleton {rig.name!r}: transforms {error}, expected rotations and even scales"
+            f"skeleton {rig.name!r}: transforms {error}, expected rotations and even scales. Apply "
+            "the scale (Blender: Object > Apply > Scale) and export it again"
         ) from None
     index = {node: k for k, node in enumerate(rig.nodes)}
     parents = tuple(index.get(nodes.parents[node], -1) for node in rig.nodes)

@@ -34,6 +34,17 @@ def test_a_motion_is_described_and_drawn(clip, capsys):
     assert out.splitlines()[-1].split() == ["0.00", "s", "0.50", "s", "1.00", "s"]
 
 
+def test_one_clip_is_one_and_what_is_still_but_for_rounding_is_still(clip, tmp_path, capsys):
+    hp.export(hp.Motion.load(clip), tmp_path / "clip.glb")
+    hp.Motion.load(clip).save(tmp_path / "clip.bvh", body=hp.Body.default())
+    for name in ("clip.glb", "clip.bvh"):
+        assert run("inspect", name) == 0
+        out = capsys.readouterr().out
+        assert "moves: body\n" in out
+        assert "1 clips" not in out
+        assert ("1 clip: take" in out) == (name == "clip.glb")
+
+
 def test_what_was_assumed_is_said(clip, tmp_path, capsys):
     with np.load(clip) as known:
         fields = {key: known[key] for key in known.files if key != "gender"}

@@ -167,6 +167,22 @@ def test_resampling_keeps_to_the_clip():
         motion.resample(0.0)
 
 
+@pytest.mark.parametrize(
+    ("said", "rate"), [(23.976, 24.0), (29.97, 30.0), (59.94, 60.0), (119.88, 120.0)]
+)
+@pytest.mark.parametrize("part", [1, 2])
+def test_rates_of_television_lose_no_frame(said, rate, part):
+    """As they are said, of clips at their own rate, and of those at a multiple."""
+    motion = random_motion(125, part * rate / 1.001)
+    again = motion.resample(said)
+    assert len(again) == (len(motion) - 1) // part + 1
+    # Times drift by a millionth of a frame for each frame.
+    step = np.abs(np.diff(motion.translation, axis=0)).max()
+    assert np.abs(again.translation - motion.translation[::part]).max() < 125 * 2e-6 * step
+    for other in (0.998 * rate, 1.003 * rate):
+        assert motion.resample(other).duration <= motion.duration + 1e-9
+
+
 @settings(max_examples=50, deadline=None)
 @given(st.floats(5.0, 240.0), st.integers(2, 60), st.integers(0, 1000))
 def test_resampled_rotations_lie_between_their_neighbours(fps, frames, seed):

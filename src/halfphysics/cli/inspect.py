@@ -35,6 +35,8 @@ _GROUPS = {
 }
 # Names of clips or people that are printed.
 _NAMED = 12
+# Turns below this are the rounding of a file [rad].
+_STILL = 1e-5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,12 +99,13 @@ class Command:
         print(f"{self.file}: {format.name}{about}")
         if source.npz is not None or source.npy is not None or source.is_folder:
             print(f"found: {source.describe()}")
-        for names, what in (
-            (() if format.clips is None else list(format.clips(source)), "clips"),
-            ([t.name for t in format.people(source)] if format.people else (), "people"),
+        for names, one, several in (
+            (() if format.clips is None else list(format.clips(source)), "clip", "clips"),
+            ([t.name for t in format.people(source)] if format.people else (), "person", "people"),
         ):
             if names:
                 more = ", ..." if len(names) > _NAMED else ""
+                what = one if len(names) == 1 else several
                 print(f"{len(names)} {what}: {', '.join(names[:_NAMED])}{more}")
 
     def _result(self) -> None:
@@ -158,7 +161,9 @@ def _describe(motion: Motion, body: Body) -> None:
         f"{motion.gender}, {shape}; body of {body.stature:.2f} m"
     )
     moves = [
-        name for name, joints in _GROUPS.items() if np.ptp(motion.rotations[:, joints], 0).any()
+        name
+        for name, joints in _GROUPS.items()
+        if np.ptp(motion.rotations[:, joints], 0).max() > _STILL
     ]
     print(f"moves: {', '.join(moves) or 'nothing'}")
     joints = body.joints(motion)

@@ -12,6 +12,9 @@ Array = NDArray[np.float64]
 
 #: A sample this near to a source frame [frames] is that frame: rounding of k * fps_old / fps_new.
 SAME_TIME = 1e-6
+#: Rates of television as they are said and as they are (23.976, 24000 / 1001) differ by less than
+#: this part, and a last sample this part of a frame after the last frame is that frame.
+_SAME_RATE, _LAST = 2e-6, 0.02
 #: Highest rate that a motion is resampled to [1/s]: beyond it a minute takes gigabytes, and no
 #: camera, no muscle and no substep needs it.
 MAX_FPS = 10_000.0
@@ -20,14 +23,16 @@ MAX_FPS = 10_000.0
 def sample_positions(frames: int, fps: float, new_fps: float) -> Array:
     """Fractional frames (K,) at the times of another rate, from the first frame on.
 
-    Nothing is extrapolated: the last one is at or before the last frame.
+    Nothing is extrapolated: the last one is at or before the last frame. To a rate that is the
+    clip's but for its printed digits every frame stays.
 
     Raises:
         InputError: `new_fps` is over 10,000, or leaves fewer than two frames.
     """
     if new_fps > MAX_FPS:
         raise InputError(f"fps: found {new_fps:g}, expected at most {MAX_FPS:g} frames per second")
-    count = int(np.floor((frames - 1) * new_fps / fps + SAME_TIME)) + 1
+    last = (frames - 1) * new_fps / fps
+    count = int(np.floor(last + max(SAME_TIME, min(_SAME_RATE * last, _LAST)))) + 1
     if count < 2:
         duration = (frames - 1) / fps
         raise InputError(

@@ -18,3 +18,11 @@ def test_nothing_similar():
     assert did_you_mean("xyz", KNOWN) == ""
     assert did_you_mean("xyz", KNOWN, otherwise="; one of three") == "; one of three"
     assert did_you_mean(17, KNOWN) == ""
+
+
+def test_words_of_other_programs_are_understood():
+    """By its spelling a rotation would be a restitution."""
+    keys = ("position", "quaternion", "friction", "restitution")
+    assert closest("rotation", keys) == ["quaternion"]
+    assert closest("Location", keys) == ["position"]
+    assert closest("rotation", ("rotations", "translation")) == ["rotations"]

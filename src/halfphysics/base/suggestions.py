@@ -5,10 +5,21 @@ from __future__ import annotations
 import difflib
 from collections.abc import Callable, Iterable
 
+#: Words of other programs -> ours, where that is allowed: spelling would find another.
+_OTHER_WORDS = {
+    **dict.fromkeys(("rotation", "orientation", "rot", "quat", "euler"), "quaternion"),
+    **dict.fromkeys(("translation", "location", "pos", "origin"), "position"),
+    **dict.fromkeys(("dimensions", "extents", "extent"), "size"),
+    **dict.fromkeys(("file", "path"), "mesh"),
+    "weight": "mass",
+}
+
 
 def closest(word: object, known: Iterable[str], count: int = 1) -> list[str]:
-    """Up to `count` of the `known` names that are spelled like `word`, the most similar first."""
-    return difflib.get_close_matches(str(word), list(known), n=count)
+    """Up to `count` of the `known` names, the best first: of this meaning, or spelled like it."""
+    names = list(known)
+    meant = [name for name in (_OTHER_WORDS.get(str(word).lower()),) if name in names]
+    return meant or difflib.get_close_matches(str(word), names, n=count)
 
 
 def did_you_mean(

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import pytest
 
-from halfphysics.live.clock import Clock
+from halfphysics.live.clock import MOST, Clock
 
 DT = 1.0 / 90.0
 
@@ -55,6 +55,24 @@ def test_a_pose_is_stepped_when_it_arrives(phase, skew):
     """Whatever the phase, and with a sender's clock that is wrong by a part in a thousand."""
     _, waits = run(DT * skew, phase * DT, 3.0)
     assert max(waits[60:]) < 1e-9
+
+
+@pytest.mark.parametrize("period", [1.0, 1.25, 1.5, 2.0])
+def test_steps_that_begin_with_poses_are_even_by_the_time_at_which_they_are_due(period):
+    time = Time()
+    clock, due, begun, even = Clock(DT, time), time.now, [], []
+    while time.now < 102.0:
+        fresh = due <= time.now
+        if (wait := clock.wait(fresh, not fresh and due <= clock.latest)) > 0.0:
+            time.now = min(time.now + wait, due) if not fresh else time.now + wait
+            continue
+        clock.begin(fresh)
+        begun.append(time.now)
+        even.append(time.now + clock.early)
+        due += period * DT * fresh
+    gaps = [b - a for a, b in pairwise(even[90:])]
+    assert max(abs(gap - DT) for gap in gaps) <= MOST * DT + 1e-9
+    assert max(abs(a - b) for a, b in zip(begun, even, strict=True)) <= 0.5 * DT + 1e-9
 
 
 @pytest.mark.parametrize("phase", [0.05, 0.3, 0.7, 0.95])

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from halfphysics.base import rotations as rot
+from halfphysics.live.clock import Clock
 from halfphysics.live.follow import (
     HOLD_AFTER,
     JOINT_SPEED,
@@ -16,7 +17,7 @@ from halfphysics.live.follow import (
     Follower,
 )
 from halfphysics.live.incoming import IncomingPose
-from halfphysics.live.mailbox import Arrival
+from halfphysics.live.mailbox import Arrival, Mailbox
 from halfphysics.live.stance import RELAXING
 from halfphysics.motion.pose import Pose
 from halfphysics.motion.skeleton import JOINT_INDEX
@@ -167,6 +168,44 @@ def test_slow_senders_are_interpolated(follower):
     xs = [follower.pose.translation[0]]
     xs += [follower.advance(None, DT, 3 * DT).translation[0] for _ in range(3)]
     assert xs == pytest.approx([0.03, 0.06, 0.09, 0.09])
+
+
+#: Largest change of speed of somebody who moves evenly, whose poses move the phase of the clock by
+#: up to 5 % of a step, twice before a pose is due; and by how much the clock follows the sender's.
+EVEN, MORE = 0.25, 0.05
+
+
+def walked(rate, speed=1.0, seconds=4.0):
+    """Targets of somebody who is sent at even speed, by the clock and the mailbox of a session."""
+    time = [0.0]
+    clock, box = Clock(DT, lambda: time[0]), Mailbox(["ada"], lambda: time[0])
+    follower = Follower(pose(), pose(), PELVIS, DT)
+    due = [k / rate for k in range(int(seconds * rate))]
+    sent, steps = 0, []
+    while time[0] < due[-1]:
+        while due[sent] <= time[0]:
+            box.offer(IncomingPose("ada", pose(x=speed * due[sent])))
+            sent += 1
+        fresh = box.fresh(clock.latest)
+        wait = clock.wait(fresh, not fresh and box.expecting(clock.latest))
+        if wait > 0.0:
+            time[0] = min(time[0] + wait, due[sent])
+            continue
+        clock.begin(fresh)
+        silence = box.silence("ada") + clock.early
+        target = follower.advance(box.take().get("ada"), silence, box.interval("ada"))
+        steps.append((time[0], target.translation[0]))
+    return np.array(steps[len(steps) // 2 :])
+
+
+@pytest.mark.parametrize("rate", [11, 24, 30, 45, 50, 60, 66, 72, 80, 90])
+def test_whoever_moves_evenly_is_followed_evenly(rate):
+    """At any rate up to that of the physics, and never later than an interval and a step."""
+    times, places = walked(rate).T
+    speeds = np.diff(places) / DT
+    assert np.abs(speeds - 1.0).max() < EVEN
+    assert speeds.mean() == pytest.approx(1.0, abs=MORE)
+    assert (times - places).max() < 1.0 / rate + DT
 
 
 def test_other_axes_are_turned_into_the_start_s(follower):

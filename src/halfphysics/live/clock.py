@@ -31,12 +31,14 @@ class Clock:
 
     Attributes:
         missed: Steps left out, since the machine was late by more than one.
+        early: Time by which the newest step began before it was due [s]; negative: after.
     """
 
     def __init__(self, dt: float, now: Callable[[], float] = time.perf_counter) -> None:
         self.dt, self._now = dt, now
         self._due = self._led = -math.inf  # when the last step began that poses gave the time of
         self.missed = 0
+        self.early = 0.0
 
     @property
     def latest(self) -> float:
@@ -59,6 +61,7 @@ class Clock:
     def begin(self, fresh: bool) -> None:
         """A step begins now. `fresh`: since the poses are there."""
         now = self._now()
+        self.early = 0.0
         paused = now - self._led > PAUSE
         if fresh:
             self._led = now
@@ -70,6 +73,7 @@ class Clock:
                 self.missed += int((now - self._due) / self.dt)
             self._due = now + self.dt
             return
+        self.early = self._due - now
         most = MOST * self.dt
         shift = min(max(GAIN * (now - self._due), -most), most) if fresh else 0.0
         self._due += self.dt + shift

@@ -6,8 +6,13 @@ first pose, a tracker that was lost, a glitch), the target is
     target(t) = pose(t) * offset^(1 - ease(t / T)),
 
 with the offset that makes it continuous and a T in which a person can come that far: motion that
-goes on meanwhile passes through. Senders slower than the physics are interpolated: a pose is
-reached when the next one is expected.
+goes on meanwhile passes through. Senders slower than the physics are interpolated: between two
+poses the target goes at even speed, and is as late as it must be for that,
+
+    reached = arrived + (ceil(interval / dt) - 1) dt,
+
+the latest step before the next pose. Without it a person of 60 Hz would stand and leap in steps of
+90 Hz, and what they push would fly off too fast.
 """
 
 from __future__ import annotations
@@ -37,6 +42,9 @@ JUMP_ROOT, JUMP_JOINT = 10.0, 60.0
 ROOT_SPEED, JOINT_SPEED = 2.5, 8.0
 #: Largest slope of `ease`: top speed over mean speed.
 _SLOPE = 1.875
+#: Share of a step by which a sender's interval may be longer for it to be one of the physics, whose
+#: clock follows the sender's.
+_SAME_RATE = 0.1
 #: Silence after which a person is held, and after which it relaxes [s].
 HOLD_AFTER, RELAX_AFTER = 0.25, 3.0
 
@@ -62,7 +70,7 @@ class Follower:
         self.pose = start
         self._goal = (start.translation, start.rotations)
         self._from = self._goal
-        self._k = self._n = 1  # step of the way from `_from` to `_goal`
+        self._k = self._n = 1.0  # steps gone of the way from `_from` to `_goal`, and all of them
         self._time: float | None = None  # the sender's, of the goal
         self._absent = np.zeros(N_JOINTS)  # how long joints are not tracked [s]
         self._absent[:] = np.inf
@@ -78,7 +86,7 @@ class Follower:
             interval: Usual time between two poses of the sender [s].
         """
         if arrival is not None:
-            self._take(arrival.pose, arrival.gap, interval)
+            self._take(arrival.pose, arrival.gap, interval, silence)
         elif self.tracking != "waiting":
             self._miss(silence)
         self.pose = self._target()
@@ -87,13 +95,13 @@ class Follower:
     def put(self, pose: Pose) -> None:
         """The person is at this pose, with the axes of the start: nothing is made up for."""
         self._goal = self._from = (pose.translation, pose.rotations)
-        self._k = self._n = 1
+        self._k = self._n = 1.0
         self._offset = None
         self.pose = pose
 
     # -- inside --------------------------------------------------------------------------
 
-    def _take(self, arrived: IncomingPose, gap: float, interval: float) -> None:
+    def _take(self, arrived: IncomingPose, gap: float, interval: float, age: float) -> None:
         before = self.pose
         goal = self._completed(arrived, gap)
         passed = max(gap, self._dt)
@@ -103,12 +111,17 @@ class Follower:
             passed = max(passed, min(arrived.time - self._time, HOLD_AFTER))
         again = self.tracking != "live"
         jumped = again or _fast(self._goal, goal, passed)
-        steps = 1 if jumped else max(1, round(min(interval, HOLD_AFTER) / self._dt))
-        self._from = self._between() if steps > 1 else goal
-        self._goal, self._k, self._n = goal, 0, steps
+        steps = 1.0 if jumped else self._steps(interval, age)
+        self._from = self._between() if steps > 1.0 else goal
+        self._goal, self._k, self._n = goal, 0.0, steps
         self._time, self.tracking = arrived.time, "live"
         if jumped:
             self._blend_from(before)
+
+    def _steps(self, interval: float, age: float) -> float:
+        """Steps in which a pose that arrived `age` [s] ago is reached."""
+        whole = math.ceil(min(interval, HOLD_AFTER) / self._dt - _SAME_RATE)
+        return 1.0 if whole <= 1 else max(1.0, whole - age / self._dt)
 
     def _completed(self, arrived: IncomingPose, gap: float) -> tuple[Array, Array]:
         """Translation and rotations, in our axes, with the joints that the sender does not give.
@@ -141,7 +154,7 @@ class Follower:
             rotations[RELAXING] = self._rest.rotations[RELAXING]
             before = self.pose
             self._goal = (self._goal[0], rotations)
-            self._from, self._k, self._n = self._goal, 1, 1
+            self._from, self._k, self._n = self._goal, 1.0, 1.0
             self._blend_from(before)
 
     def _blend_from(self, before: Pose) -> None:
@@ -165,7 +178,7 @@ class Follower:
         return start[0] + part * (end[0] - start[0]), rot.log(quat)
 
     def _target(self) -> Pose:
-        self._k = min(self._k + 1, self._n)
+        self._k = min(self._k + 1.0, self._n)
         translation, rotations = self._between()
         if self._offset is not None:
             self._passed += self._dt

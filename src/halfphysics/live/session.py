@@ -228,7 +228,9 @@ class Session:
         arrivals = self.mailbox.take()
         targets = []
         for name, follower in zip(self.people, self._followers, strict=True):
-            silence, interval = self.mailbox.silence(name), self.mailbox.interval(name)
+            # By the time of the physics, which is even: steps begin with poses, early or late.
+            silence = self.mailbox.silence(name) + self.clock.early
+            interval = self.mailbox.interval(name)
             targets.append(follower.advance(arrivals.get(name), silence, interval))
         self._editor.pull()
         frame = self.simulator.step(targets)

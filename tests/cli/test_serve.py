@@ -6,8 +6,10 @@ import dataclasses
 import os
 import re
 import signal
+import socket
 import subprocess
 import sys
+import threading
 import time
 
 import pytest
@@ -27,6 +29,30 @@ def test_it_serves_for_a_time_and_says_how_it_went(tmp_path, capsys):
     result = hp.Result.load(path)
     assert 5 < len(result) < 140  # a second at 90 Hz; a busy machine makes fewer steps
     assert main(["convert", str(path), str(tmp_path / "out.glb")]) == 0
+
+
+def test_what_a_protocol_does_not_understand_is_said(capsys):
+    """As where a program sends by another protocol than is listened for."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        sender.bind(("127.0.0.1", 0))
+        port = sender.getsockname()[1]
+    over = threading.Event()
+
+    def send():
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+            while not over.wait(0.02):
+                out.sendto(b"no such thing", ("127.0.0.1", port))
+
+    thread = threading.Thread(target=send)
+    thread.start()
+    try:
+        assert main(["serve", "--port", "0", "--for", "0.5", "--listen", f"xsens:{port}"]) == 0
+    finally:
+        over.set()
+        thread.join()
+    said = capsys.readouterr().out.splitlines()[-1]
+    assert f"; xsens:127.0.0.1:{port}: datagrams not understood as xsens: " in said
+    assert said.endswith("no pose in what was heard")
 
 
 def test_an_unfinished_recording_becomes_a_result(tmp_path, capsys, monkeypatch):

@@ -195,7 +195,9 @@ def _outcome(recorder: Recorder) -> str:
 
 
 def _figures(live: LiveServer) -> str:
-    """Clients, latency and drops in one line."""
+    """Clients, latency, drops, and what protocols did not understand, in one line."""
+    from halfphysics.live.protocols.udp import UdpReceiver
+
     counts, found = live.session.mailbox.counts, live.latency.percentiles(50.0, 99.0, 100.0)
     clients = live.server.clients
     parts = [f"{live.session.frames} frames", f"{clients} client{'' if clients == 1 else 's'}"]
@@ -212,4 +214,7 @@ def _figures(live: LiveServer) -> str:
         parts.append(f"{live.session.clock.missed} steps missed")
     if live.session.trouble:
         parts.append(live.session.trouble)
+    for receiver in live.receivers:
+        if isinstance(receiver, UdpReceiver) and receiver.trouble:
+            parts.append(f"{receiver.endpoint}: {receiver.trouble}")
     return "; ".join(parts)

@@ -88,6 +88,7 @@ class LiveServer:
         server: Its WebSocket server.
         latency: How long poses took from their arrival to the step.
         recorder: The recording; None: there is none.
+        receivers: What poses come in by beside the server.
     """
 
     def __init__(
@@ -117,7 +118,8 @@ class LiveServer:
             session.listen(self.latency.add)
             if recorder is not None:
                 session.listen(recorder.add)
-            for receiver in self._receivers(listen):
+            self.receivers = self._receivers(listen)
+            for receiver in self.receivers:
                 receiver.start(session.deliver)
                 started.callback(receiver.stop)
             session.start()

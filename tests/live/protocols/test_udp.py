@@ -110,6 +110,22 @@ def test_a_mistake_of_ours_ends_nothing():
     assert receiver.counts.last_error == "ZeroDivisionError: of ours"
 
 
+def test_what_is_not_taken_is_said():
+    receiver = UdpReceiver(Endpoint("vmc", "127.0.0.1", 7), Echo())
+    assert receiver.trouble == "nothing was heard"
+    receiver.take(b"x", "10.0.0.1", 0.0, lambda pose: None)
+    said = "datagrams not understood as vmc: 1 (found x), no pose in what was heard"
+    assert receiver.trouble == said
+    receiver.counts.last_error = "found \x1b[2J"
+    assert "(found ?[2J)" in receiver.trouble
+    receiver.take(b"a", "10.0.0.1", 0.1, lambda pose: None)
+    receiver.take(b"a", "10.0.0.2", 0.2, lambda pose: None)
+    assert receiver.trouble.endswith("datagrams of a second machine, left out: 1")
+    taken = UdpReceiver(ANYWHERE, Echo())
+    taken.take(b"a", "10.0.0.1", 0.0, lambda pose: None)
+    assert taken.trouble == ""
+
+
 def test_the_rate_is_bounded():
     poses, receiver = [], UdpReceiver(ANYWHERE, Echo())
     for _ in range(MAX_RATE + 100):

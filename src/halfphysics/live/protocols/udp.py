@@ -78,6 +78,24 @@ class UdpReceiver:
         port = self._socket.getsockname()[1]
         return Endpoint(self._endpoint.protocol, self._endpoint.host, port)
 
+    @property
+    def trouble(self) -> str:
+        """Why less comes in than is sent, in one line; "": there is nothing to say."""
+        counts, found = self.counts, []
+        if counts.malformed:
+            # Senders' bytes are in the message: none of them is to steer a terminal.
+            why = "".join(c if c.isprintable() else "?" for c in counts.last_error)
+            name = self._endpoint.protocol
+            found.append(f"datagrams not understood as {name}: {counts.malformed} ({why})")
+        if counts.other_senders:
+            found.append(f"datagrams of a second machine, left out: {counts.other_senders}")
+        if counts.over_rate:
+            found.append(f"datagrams beyond {MAX_RATE} a second, left out: {counts.over_rate}")
+        if not counts.poses:
+            heard = counts.datagrams or counts.malformed
+            found.append("no pose in what was heard" if heard else "nothing was heard")
+        return ", ".join(found)
+
     def start(self, deliver: Deliver) -> None:
         """Open the port and listen in a thread; see `Receiver.start`."""
         where = self._endpoint

@@ -17,6 +17,8 @@ import pytest
 import halfphysics as hp
 from halfphysics import scenarios
 from halfphysics.cli import main
+from halfphysics.cli import serve as cli_serve
+from halfphysics.live.session import Session
 
 
 def test_it_serves_for_a_time_and_says_how_it_went(tmp_path, capsys):
@@ -53,6 +55,16 @@ def test_what_a_protocol_does_not_understand_is_said(capsys):
     said = capsys.readouterr().out.splitlines()[-1]
     assert f"; xsens:127.0.0.1:{port}: datagrams not understood as xsens: " in said
     assert said.endswith("no pose in what was heard")
+
+
+@pytest.mark.parametrize(("rate", "said"), [(120, True), (90, False), (60, False)])
+def test_who_is_sent_faster_than_the_physics_is_named(monkeypatch, rate, said):
+    session = Session(body=[hp.Body.default()])
+    monkeypatch.setattr(session.mailbox, "interval", lambda person: 1.0 / rate)
+    assert cli_serve._fast(session) == []  # nobody sends
+    monkeypatch.setattr(session.mailbox, "silence", lambda person: 0.0)
+    expected = ["person is sent at 120 Hz: --fps 120 follows evenly"] if said else []
+    assert cli_serve._fast(session) == expected
 
 
 def test_an_unfinished_recording_becomes_a_result(tmp_path, capsys, monkeypatch):

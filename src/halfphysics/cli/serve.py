@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from halfphysics.body.body import Body
     from halfphysics.live.recording import Recorder
     from halfphysics.live.serve import LiveServer
+    from halfphysics.live.session import Session
     from halfphysics.scene.scene import Scene
     from halfphysics.simulation.sequence import Sequence
 
@@ -32,6 +33,9 @@ halfphysics serve room.yaml --host 0.0.0.0 --token a-long-secret"""
 
 #: Interval between two lines about latency [s], and how often it is looked whether it ended.
 _EVERY, _LOOK = 10.0, 0.1
+
+#: Part of a step that is the interval of a sender whose rate is not that of the physics.
+_FASTER = 0.9
 
 Repeated = Annotated[tuple[str, ...], tyro.conf.UseAppendAction]
 
@@ -214,7 +218,19 @@ def _figures(live: LiveServer) -> str:
         parts.append(f"{live.session.clock.missed} steps missed")
     if live.session.trouble:
         parts.append(live.session.trouble)
+    parts += _fast(live.session)
     for receiver in live.receivers:
         if isinstance(receiver, UdpReceiver) and receiver.trouble:
             parts.append(f"{receiver.endpoint}: {receiver.trouble}")
     return "; ".join(parts)
+
+
+def _fast(session: Session) -> list[str]:
+    """Who is sent faster than the physics steps: some poses pass unseen, at uneven steps."""
+    dt, said = session.simulator.dt, []
+    for name in session.people:
+        interval = session.mailbox.interval(name)
+        if session.mailbox.silence(name) < _EVERY and 0.0 < interval < _FASTER * dt:
+            rate = 1.0 / interval
+            said.append(f"{name} is sent at {rate:.0f} Hz: --fps {rate:.0f} follows evenly")
+    return said

@@ -67,13 +67,19 @@ def test_poses_columns_are_accepted():
         ({"translation": np.full((3, 3), np.nan)}, "translation: 9 values are NaN or infinite"),
         ({"rotations": np.full((3, 55, 3), np.inf)}, "rotations: 495 values are NaN or infinite"),
         ({"translation": "abc"}, "translation: not an array of numbers"),
+        ({"translation": 10**400}, "translation: not an array of numbers"),
+        ({"rotations": [[1.0], [1.0, 2.0]]}, "rotations: not an array of numbers"),
         ({"fps": 0}, "fps: found 0, expected a positive number"),
         ({"fps": float("nan")}, "fps: found nan"),
         ({"fps": "fast"}, "fps: found 'fast'"),
         ({"fps": None}, "fps: found None"),
+        ({"fps": True}, "fps: found True"),
         ({"betas": np.zeros((3, 10))}, r"betas: found shape \(3, 10\), expected a vector"),
         ({"gender": "other"}, "gender: found 'other', expected one of neutral, male, female"),
         ({"model": "star"}, "model: found 'star', expected one of smplx, smplh, smpl"),
+        ({"gender": np.zeros(2)}, "gender: found array.* expected one of neutral, male, female"),
+        ({"origin": "clip.npz"}, "origin: found 'clip.npz', expected None"),
+        ({"holds": 3}, "holds: found 3, expected a tuple of AdaptedHold"),
         ({"axes": np.diag([1.0, 1.0, -1.0])}, "axes: found .* expected a rotation"),
         (
             {"translation": [[0, 0, 0], [1000, 0, 0], [0, 0, 0]]},
@@ -112,6 +118,33 @@ def test_indexing():
     with pytest.raises(InputError, match="found 1 frame"):
         motion[3:4]
     assert len(list(motion)) == 20
+
+
+@pytest.mark.parametrize("wrong", [1.5, "3", None, [0, 1], np.arange(3)])
+def test_frames_are_whole_numbers(wrong):
+    with pytest.raises(InputError, match=r"motion\[...\]: found .* t \* fps"):
+        random_motion()[wrong]
+
+
+@pytest.mark.parametrize("wrong", [slice(0.5, 2.0), slice("a", None), slice(0, 5, 0)])
+def test_slices_are_of_whole_frames(wrong):
+    with pytest.raises(InputError, match=r"found slice\(.*expected whole frames and a step"):
+        random_motion()[wrong]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"translation": None}, "translation: not an array of numbers|found shape"),
+        ({"translation": [[0.0], [0.0, 0.0]]}, "translation: not an array of numbers"),
+        ({"fps": np.zeros(2)}, "fps: found array"),
+    ],
+)
+def test_other_frames_are_checked(change, message):
+    motion = random_motion()
+    good = {"translation": motion.translation, "rotations": motion.rotations}
+    with pytest.raises(InputError, match=message):
+        motion.with_frames(**(good | change))
 
 
 def test_pose_shape_is_checked():
@@ -266,6 +299,17 @@ def test_smplx_smpl_body_and_mean_hands():
     assert np.array_equal(motion.poses[0, 75:], mean)
 
 
+def test_smplx_matrices_of_smpls_body():
+    """As HMR and its successors give them: 23 joints, of which the last two are rigid hands."""
+    turns = random_motion(4).rotations[:, 1:24]
+    motion = Motion.from_smplx(
+        fps=30, global_orient=np.zeros((4, 3)), transl=np.zeros((4, 3)), model="smpl",
+        body_pose=rot.rotvec_to_matrix(turns),
+    )  # fmt: skip
+    assert angle_between(motion.rotations[:, 1:22], turns[:, :21]).max() < 1e-7
+    assert not motion.rotations[:, 22:].any()
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -277,6 +321,15 @@ def test_smplx_smpl_body_and_mean_hands():
         ({"betas": np.zeros((3, 2))}, "betas: found shape"),
         ({"up": "w"}, "up: found 'w'"),
         ({"hands_mean": np.zeros(45)}, "hands_mean: found shape"),
+        ({"up": ["z"]}, r"up: found \['z'\]"),
+        ({"body_pose": 1.0}, r"body_pose: found shape \(\), expected \(T, 63\)"),
+        ({"left_hand_pose": 1.0}, r"left_hand_pose: found shape \(\), expected \(T, 45\)"),
+        ({"global_orient": np.zeros((5, 3, 3))}, r"found 15 frames, expected 4.*shape \(T, 3, 3\)"),
+        *(
+            ({name: wrong}, f"{name}: not an array of numbers")
+            for name in ("global_orient", "transl", "body_pose", "betas", "hands_mean")
+            for wrong in ("walk", [[1.0], [1.0, 2.0]], {}, 10**400)
+        ),
     ],
 )
 def test_smplx_impossible_values_are_named(change, message):

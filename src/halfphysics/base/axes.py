@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
 
 Array = NDArray[np.float64]
@@ -29,8 +30,8 @@ AXES: Mapping[str, Array] = MappingProxyType(
 
 def axes_of(up: str) -> Array:
     """World from file axes (3, 3) for a file whose `up` axis is one of `AXES` ("-y": y is down)."""
-    if up not in AXES:
-        raise InputError(f"up: found {up!r}, expected one of {', '.join(AXES)}")
+    if not isinstance(up, str) or up not in AXES:
+        raise InputError(f"up: found {shown(up)}, expected one of {', '.join(AXES)}")
     return AXES[up]
 
 

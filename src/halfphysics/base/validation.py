@@ -126,8 +126,9 @@ def quaternion(value: object, what: str) -> NDArray[np.float64]:
 
 def frame_rate(value: object, example: str = "30.0", *, most: float | None = None) -> float:
     """`value` as frames per second, `most` at most."""
+    value = scalar_of(value)
     try:
-        fps = float(scalar_of(value))
+        fps = np.nan if isinstance(value, bool | np.bool_) else float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError):
         fps = np.nan
     if not (np.isfinite(fps) and fps > 0.0):

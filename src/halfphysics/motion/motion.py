@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import operator
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, overload
 
@@ -17,7 +18,7 @@ from halfphysics.base.axes import axes_of, turned
 from halfphysics.base.copying import ReadOnly
 from halfphysics.base.in_notebook import InNotebook
 from halfphysics.base.progress import over
-from halfphysics.base.validation import frame_rate, number
+from halfphysics.base.validation import frame_rate, number, shown
 from halfphysics.errors import InputError
 from halfphysics.motion.adapted_hold import AdaptedHold, check_adaptation
 from halfphysics.motion.file_metadata import FileMetadata
@@ -103,17 +104,22 @@ class Motion(InNotebook, ReadOnly):
         betas = self.betas
         if betas is not None:
             betas = checked("betas", betas, (None,), "a vector (n,)")
-        if self.gender not in GENDERS:
-            raise InputError(f"gender: found {self.gender!r}, expected one of {', '.join(GENDERS)}")
-        if self.model not in MODELS:
-            raise InputError(f"model: found {self.model!r}, expected one of {', '.join(MODELS)}")
+        for name, known in (("gender", GENDERS), ("model", MODELS)):
+            its = getattr(self, name)
+            if not isinstance(its, str) or its not in known:
+                raise InputError(f"{name}: found {shown(its)}, expected one of {', '.join(known)}")
+        if not isinstance(self.origin, FileMetadata | None):
+            raise InputError(
+                f"origin: found {shown(self.origin)}, expected None or the data of a file that "
+                "was read"
+            )
         for name, value in (
             ("translation", translation),
             ("rotations", rotations),
             ("fps", fps),
             ("betas", betas),
             ("axes", checked_axes(self.axes)),
-            ("holds", tuple(self.holds)),
+            ("holds", _as_tuple(self.holds)),
         ):
             object.__setattr__(self, name, value)
         if self.stiffness_scale is not None:
@@ -151,7 +157,13 @@ class Motion(InNotebook, ReadOnly):
     def __getitem__(self, index: int | slice) -> Pose | Motion:
         """A `Pose` for an integer, a `Motion` for a slice; a step keeps real time (fps / step)."""
         if isinstance(index, slice):
+            _check_slice(index)
             return self.changed(lambda motion: motion._taken(index))
+        if not _is_index(index):
+            raise InputError(
+                f"motion[...]: found {shown(index)}, expected the number of a frame or a slice of "
+                "frames; time t [s] is frame t * fps"
+            )
         try:
             scale = None if self.stiffness_scale is None else self.stiffness_scale[index]
             return Pose(self.translation[index], self.rotations[index], self.axes, scale)
@@ -222,9 +234,10 @@ class Motion(InNotebook, ReadOnly):
         Extra per-frame data of the file, `stiffness_scale`, `holds` and `recorded` are kept while
         the number of frames and fps stay.
         """
-        fps = self.fps if fps is None else fps
+        fps = self.fps if fps is None else frame_rate(fps)
         metadata = self.origin
-        if len(as_array(translation)) == len(self) and fps == self.fps:
+        translation = checked("translation", translation, (None, 3), "(T, 3)")
+        if len(translation) == len(self) and fps == self.fps:
             kept = self.stiffness_scale, self.holds
             made = self._replaced(translation, rotations, fps, metadata, *kept)
             known = self.recorded is not None
@@ -471,6 +484,30 @@ class Motion(InNotebook, ReadOnly):
         from halfphysics.formats import save_motion
 
         save_motion(self, path, format=format, body=body)
+
+
+def _as_tuple(holds: Iterable[AdaptedHold]) -> tuple[AdaptedHold, ...]:
+    if not isinstance(holds, Iterable):
+        raise InputError(f"holds: found {shown(holds)}, expected a tuple of AdaptedHold")
+    return tuple(holds)
+
+
+def _is_index(value: object) -> bool:
+    try:
+        operator.index(value)  # type: ignore[arg-type]
+    except TypeError:
+        return False
+    return True
+
+
+def _check_slice(index: slice) -> None:
+    """Refuse a slice of anything but whole frames."""
+    parts = (index.start, index.stop, index.step)
+    if not all(part is None or _is_index(part) for part in parts) or index.step == 0:
+        raise InputError(
+            f"motion[...]: found {shown(index)}, expected whole frames and a step that is not 0; "
+            "time t [s] is frame t * fps"
+        )
 
 
 def _check_speed(translation: Array, fps: float) -> None:

@@ -23,6 +23,22 @@ def frozen(array: ArrayLike) -> Array:
     return copy
 
 
+def floats(name: str, value: ArrayLike, expected: str) -> Array:
+    """A float64 copy of `value`, of any shape. Raises `InputError` where it is no array of numbers.
+
+    Args:
+        name: The value's name, for the message.
+        value: An array, a tensor or lists.
+        expected: What the message says was expected.
+    """
+    try:
+        return np.array(array_of(value), dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(
+            f"{name}: not an array of numbers ({error}); expected {expected}"
+        ) from None
+
+
 def checked(
     name: str,
     value: ArrayLike,
@@ -35,12 +51,8 @@ def checked(
 
     With `endless` inf is a value too: farther than anybody looked.
     """
-    try:
-        array = frozen(value)
-    except (TypeError, ValueError) as error:
-        raise InputError(
-            f"{name}: not an array of numbers ({error}); expected {expected}"
-        ) from None
+    array = floats(name, value, expected)
+    array.setflags(write=False)
     fits = array.ndim == len(shape) and all(
         want is None or have == want for have, want in zip(array.shape, shape, strict=True)
     )
@@ -66,7 +78,10 @@ def checked_axes(axes: ArrayLike | None) -> Array:
 def flat_rotations(rotations: ArrayLike, leading: int) -> ArrayLike:
     """Rotations (..., 165) as (..., 55, 3); anything else unchanged, for the check to refuse."""
     width = 3 * skeleton.N_JOINTS
-    array = as_array(rotations)
+    try:
+        array = as_array(rotations)
+    except (TypeError, ValueError):
+        return rotations
     if array.ndim == leading + 1 and array.shape[-1] == width:
         return array.reshape(*array.shape[:-1], skeleton.N_JOINTS, 3)
     return array

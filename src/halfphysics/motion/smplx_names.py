@@ -14,6 +14,7 @@ from halfphysics.base.axes import turned
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
+from halfphysics.motion.pose import floats
 
 Array = NDArray[np.float64]
 
@@ -36,7 +37,7 @@ def one_shape(name: str, betas: ArrayLike, frames: int) -> Array | None:
     Raises:
         InputError: Rows differ, or the shape fits none of these.
     """
-    array = as_array(betas).astype(np.float64)
+    array = floats(name, betas, "(n,), (1, n) or (T, n)")
     if array.size == 0:
         return None
     rows = array.reshape(-1, array.shape[-1]) if array.ndim else array.reshape(1, 1)
@@ -52,10 +53,19 @@ def one_shape(name: str, betas: ArrayLike, frames: int) -> Array | None:
     return result
 
 
-def _axis_angle(name: str, value: ArrayLike, joints: int, frames: int) -> Array:
+def _joints_in(name: str, array: Array) -> int:
+    """Of how many joints rotations are: as many as the part has, or SMPL's 23 of a body."""
+    of_smpl = (
+        array.shape[-1:] == (3 * _SMPL_BODY,)
+        or array.shape[-2:] == (_SMPL_BODY, 3)
+        or array.shape[1:] == (_SMPL_BODY, 3, 3)
+    )
+    return _SMPL_BODY if name == "body_pose" and of_smpl else len(PARTS[name])
+
+
+def _axis_angle(name: str, array: Array, joints: int, frames: int) -> Array:
     """Rotations (T, J, 3) of axis-angle (..., 3 J) or (..., J, 3), or matrices (T, J, 3, 3), of one
     joint also (T, 3, 3)."""
-    array = as_array(value).astype(np.float64)
     if array.ndim == 4 and array.shape[1] == joints and array.shape[2:] == (3, 3):
         return rot.matrix_to_rotvec(array)
     if joints == 1 and array.shape == (frames, 3, 3):  # of axis-angle it would be too many frames
@@ -63,7 +73,7 @@ def _axis_angle(name: str, value: ArrayLike, joints: int, frames: int) -> Array:
     if array.shape[-1:] == (3 * joints,) or array.shape[-2:] == (joints, 3):
         return array.reshape(-1, joints, 3)
     way_out = ""
-    if name.endswith("hand_pose") and array.shape[-1] < 3 * joints:
+    if name.endswith("hand_pose") and array.ndim and array.shape[-1] < 3 * joints:
         way_out = (
             "; these look like PCA coefficients: create the smplx model with use_pca=False, or "
             "multiply by its hand components first"
@@ -84,7 +94,7 @@ def read_parameters(
     hands_mean: ArrayLike | None,
 ) -> Motion:
     """The work behind `Motion.from_smplx`; see there."""
-    translation = as_array(transl).astype(np.float64)
+    translation = floats("transl", transl, "(T, 3)")
     if translation.shape[-1:] != (3,):
         raise InputError(f"transl: found shape {translation.shape}, expected (T, 3)")
     translation = translation.reshape(-1, 3)
@@ -94,22 +104,17 @@ def read_parameters(
         if value is None:
             continue
         joints = PARTS[name]
-        array = as_array(value)
-        count = len(joints)
-        if name == "body_pose" and (
-            array.shape[-1:] == (3 * _SMPL_BODY,)
-            or array.shape[-2:] == (_SMPL_BODY, 3)
-            or array.shape[-3:] == (_SMPL_BODY, 3, 3)
-        ):
-            count = _SMPL_BODY
-        part = _axis_angle(name, array, count, frames)[:, : len(joints)]
+        array = floats(name, value, f"(T, {3 * len(joints)})")
+        part = _axis_angle(name, array, _joints_in(name, array), frames)[:, : len(joints)]
         if len(part) not in (1, frames):
+            matrices = len(joints) == 1 and array.shape[-2:] == (3, 3)
             raise InputError(
                 f"{name}: found {len(part)} frames, expected {frames} as in transl (or one)"
+                + (". Matrices have the shape (T, 3, 3)" if matrices else "")
             )
         full[:, list(joints)] = part
     if hands_mean is not None:
-        mean = as_array(hands_mean).astype(np.float64)
+        mean = floats("hands_mean", hands_mean, "(90,)")
         if mean.size != 90:
             raise InputError(f"hands_mean: found shape {mean.shape}, expected (90,)")
         full[:, list(skeleton.LEFT_HAND_JOINTS + skeleton.RIGHT_HAND_JOINTS)] += mean.reshape(30, 3)

@@ -12,6 +12,7 @@ def test_the_most_similar_name_is_proposed():
     assert did_you_mean("pelvi", KNOWN) == "; did you mean pelvis?"
     assert did_you_mean("pelvi", KNOWN, form=repr, brackets=True) == " (did you mean 'pelvis'?)"
     assert did_you_mean("_hand", KNOWN, count=2) == "; did you mean left_hand or right_hand?"
+    assert did_you_mean("heat", ["head", "head"], count=2) == "; did you mean head?"
 
 
 def test_nothing_similar():

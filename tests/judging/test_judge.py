@@ -28,6 +28,21 @@ def test_judge_takes_paths(library):
         hp.judge(library / "a.npz", scene=library / "gone.yaml")
 
 
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"paths": None}, "path: expected the path of a file.*found None"),
+        ({"paths": 3}, "path: expected the path of a file.*found 3"),
+        ({"truth": 3}, "path: expected the path of a file.*found 3"),
+        ({"jobs": 1.5}, "jobs: found 1.5, expected a whole number"),
+    ],
+)
+def test_wrong_arguments_are_named(library, arguments, message):
+    with pytest.raises(HalfPhysicsError, match=message):
+        hp.judge(**({"paths": library} | arguments))
+    assert len(hp.judge(library / "a.npz", jobs=np.int64(1))) == 1
+
+
 def test_a_broken_file_is_one_answer_and_processes_change_nothing(library):
     tasks, options = tasks_of([library], None), Options()
     alone = judged(tasks, options, 1, bar=False)

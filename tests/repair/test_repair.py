@@ -171,3 +171,23 @@ def test_mistakes_are_one_message():
         hp.fix([standing(), standing()], body=[hp.Body.default()])
     with pytest.raises(InputError, match="smooth"):
         hp.fix(standing(), smooth=-1.0)
+    for wrong, way in (("clip.npz", "Motion.load"), (None, "found None"), (3, "found 3")):
+        with pytest.raises(InputError, match=rf"motion: .*expected a halfphysics\.Motion|{way}"):
+            hp.fix(wrong)
+    with pytest.raises(InputError, match=r"such as its \.motion"):
+        hp.fix(hp.simulate(standing()))
+
+
+@pytest.mark.parametrize(
+    ("option", "wrong", "message"),
+    [
+        ("scene", "room.yaml", r"scene: found 'room\.yaml'.*Scene\.load"),
+        ("body", "SMPLX.npz", r"body: found 'SMPLX\.npz'.*Body\.load"),
+        ("body", [3], "body: found 3"),
+        ("body", 3, "body: found 3"),
+        ("settings", {"stiffness": 1.0}, "settings: found .*Settings"),
+    ],
+)
+def test_wrong_options_are_named(option, wrong, message):
+    with pytest.raises(InputError, match=message):
+        hp.fix(standing(), **{option: wrong})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from halfphysics.metrics import mpjpe, mpjpe_global
 from halfphysics.motion.motion import Motion
 from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
+from halfphysics.simulation.sequence import Sequence
 from halfphysics.simulation.simulate import simulate
 from halfphysics.simulation.simulator import Simulator
 from support.as_it_is import as_it_is
@@ -254,8 +256,29 @@ def test_mistakes(body):
         simulator.step(pose, dt=-1)
     with pytest.raises(InputError, match="of another simulator"):
         Simulator(wall(), body=[body, body]).set_state(simulator.get_state())
+    for dt in (10**400, True):
+        with pytest.raises(InputError, match="dt: found"):
+            simulator.step(pose, dt=dt)
     with pytest.raises(InputError, match=r"expected a halfphysics\.Motion"):
         simulate("clip.npz")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "way"),
+    [
+        ({"motion": "clip.npz"}, r"Load it: halfphysics\.Motion\.load\('clip\.npz'\)"),
+        ({"scene": "room.yaml"}, r"Load it: halfphysics\.Scene\.load\('room\.yaml'\)"),
+        ({"body": Path("SMPLX.npz")}, r"Load it: halfphysics\.Body\.load\(.*SMPLX\.npz"),
+        ({"settings": {"stiffness": 2.0}}, r"such as Settings\(\*\*\{'stiffness': 2\.0\}\)"),
+        ({"motion": Sequence(along_x(1.0, 2, 0.0), Scene())}, r"s\.motion, with s\.scene"),
+        ({"motion": iter([along_x(1.0, 2, 0.0)])}, "or a list of them"),
+        ({"stiffness": np.ones(55)}, r"found shape \(55,\), expected \(2,\) or \(2, 55\)"),
+        ({"stiffness": [[1.0], [1.0, 2.0]]}, r"expected numbers \(2,\) or \(2, 55\)"),
+    ],
+)
+def test_mistakes_have_a_way_out(arguments, way):
+    with pytest.raises(InputError, match=way):
+        simulate(**({"motion": along_x(1.0, 2, 0.0)} | arguments))
 
 
 def test_a_scene_that_is_changed_later_changes_no_simulator(body):

@@ -252,3 +252,17 @@ def test_arrays_are_read_only_and_the_same_each_time(body):
 def test_impossible_cutoffs(body, cutoff):
     with pytest.raises(hp.errors.InputError, match="cutoff"):
         estimate(standing.standing(body), room(), body=body, cutoff=cutoff)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"motion": "walk.npz"}, r"motion: found 'walk\.npz', expected a halfphysics\.Motion"),
+        ({"scene": None}, r"scene: found None, expected a halfphysics\.Scene"),
+        ({"body": 3}, r"body: expected a halfphysics\.Body.*found 3"),
+    ],
+)
+def test_what_is_estimated_is_checked(body, wrong, message):
+    good = {"motion": standing.standing(body), "scene": room(), "body": body}
+    with pytest.raises(hp.errors.InputError, match=message):
+        estimate(**(good | wrong))

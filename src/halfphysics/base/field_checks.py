@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from halfphysics.base.arrays import scalar_of
-from halfphysics.base.validation import is_whole, real, within
+from halfphysics.base.validation import is_whole, real, shown, within
 from halfphysics.errors import InputError
 
 #: The most of anything that is counted: far beyond use, and what the core can count.
@@ -33,7 +33,7 @@ class FieldChecks:
         """Raise unless `ok`."""
         if not ok:
             kind, value = type(self._owner).__name__, self._value(name)
-            raise InputError(f"{kind}.{name} is {value!r}; expected {expected}")
+            raise InputError(f"{kind}.{name} is {shown(value)}; expected {expected}")
 
     def number(
         self,
@@ -63,7 +63,9 @@ class FieldChecks:
 
     def choice(self, name: str, *values: str) -> None:
         """One of the values."""
-        self.holds(name, self._value(name) in values, " or ".join(repr(v) for v in values))
+        value = self._value(name)
+        ok = isinstance(value, str) and value in values
+        self.holds(name, ok, " or ".join(repr(v) for v in values))
 
     def _value(self, name: str) -> Any:
         return getattr(self._owner, name)

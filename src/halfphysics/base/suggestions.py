@@ -17,7 +17,7 @@ _OTHER_WORDS = {
 
 def closest(word: object, known: Iterable[str], count: int = 1) -> list[str]:
     """Up to `count` of the `known` names, the best first: of this meaning, or spelled like it."""
-    names = list(known)
+    names = list(dict.fromkeys(known))
     meant = [name for name in (_OTHER_WORDS.get(str(word).lower()),) if name in names]
     return meant or difflib.get_close_matches(str(word), names, n=count)
 

@@ -78,9 +78,11 @@ def checked_strength(value: Any) -> str | JointValues | None:
     Raises:
         InputError: Anything else.
     """
-    if value is None or value == "human":
-        return value  # type: ignore[no-any-return]
+    if value is None:
+        return None
     if isinstance(value, str):
+        if value == "human":
+            return value
         raise InputError(
             f"Settings.strength is {value!r}; expected None, 'human', or a mapping from joints or "
             "groups of them to limits [N m]"

@@ -7,11 +7,10 @@ import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from halfphysics.base import progress as bars
-from halfphysics.base.validation import file_path
+from halfphysics.base.validation import file_path, is_whole, shown
 from halfphysics.base.workers import FULL, Death, Pool
 from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning, InputError
 from halfphysics.judging.reading import Files, Reading
@@ -63,20 +62,23 @@ def judge(
 
     Raises:
         FileError: A path that does not exist and fits no file; no motion at all; no truth.
-        InputError: `jobs` is not positive.
+        InputError: `jobs` is no whole number of at least 1, or what should be a path is none.
     """
     from halfphysics.base.machine import cores
 
-    if jobs is not None and (not isinstance(jobs, int) or jobs < 1):
-        raise InputError(f"jobs: found {jobs!r}, expected at least 1")
-    given = [paths] if isinstance(paths, str | os.PathLike) else list(paths)
+    if jobs is not None and not is_whole(jobs, least=1, plain=False):
+        raise InputError(f"jobs: found {shown(jobs)}, expected a whole number of at least 1")
+    one = isinstance(paths, str | os.PathLike) or not isinstance(paths, Iterable)
+    given = [paths] if one else list(paths)
     reading = Files(
         scene_file=None if scene is None else file_path(scene),
         body_model=None if body is None else file_path(body),
     )
     _scene(reading)  # a mistake in it is one error, not one a clip
-    tasks = tasks_of([file_path(path) for path in given], None if truth is None else Path(truth))
-    return judged(tasks, reading, cores() if jobs is None else jobs, bar=progress)
+    tasks = tasks_of(
+        [file_path(path) for path in given], None if truth is None else file_path(truth)
+    )
+    return judged(tasks, reading, cores() if jobs is None else int(jobs), bar=progress)
 
 
 def judged(tasks: Sequence[Task], reading: Reading, jobs: int, *, bar: bool) -> list[Judged]:

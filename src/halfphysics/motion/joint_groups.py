@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.base.arrays import array_of
+from halfphysics.base.arrays import array_of, as_array
 from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import number, shown
 from halfphysics.errors import InputError
@@ -150,14 +150,15 @@ def stiffness_array(value: Any, what: str) -> Array:
     return out
 
 
-def stiffness_rows(value: Any, what: str, shape: tuple[int, ...]) -> Array:
-    """`value` as an array of that shape, of numbers >= 0."""
+def stiffness_rows(value: Any, what: str, shape: tuple[int, ...], expected: str = "") -> Array:
+    """`value` as an array of that shape, of numbers >= 0; `expected` is for messages."""
+    expected = expected or str(shape)
     try:
         out = np.array(array_of(value), dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InputError(f"{what}: found {shown(value)}, expected numbers {shape}") from None
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{what}: found {shown(value)}, expected numbers {expected}") from None
     if out.shape != shape:
-        raise InputError(f"{what}: found shape {out.shape}, expected {shape}")
+        raise InputError(f"{what}: found shape {out.shape}, expected {expected}")
     if not np.isfinite(out).all() or (out < 0.0).any():
         worst = np.argwhere(~(np.isfinite(out) & (out >= 0.0)))[0]
         at = ", ".join(map(str, worst))
@@ -182,7 +183,7 @@ def stiffness_over_time(value: Any, frames: int, people: int) -> Array | None:
     each = [value] * people
     if isinstance(value, list | tuple) and len(value) == people:
         # Of one person, nested lists may also be one row of 55 a frame.
-        rows = people == 1 and frames == 1 and not _constant(value[0]) and np.ndim(value[0]) == 1
+        rows = people == 1 and frames == 1 and _dimensions(value[0]) == 1
         each = each if rows else list(value)
     out = np.empty((frames, people, N_JOINTS))
     for person, its in enumerate(each):
@@ -190,8 +191,9 @@ def stiffness_over_time(value: Any, frames: int, people: int) -> Array | None:
         if _constant(its):
             out[:, person] = stiffness_array(its, what)
             continue
-        wide = np.ndim(its) == 2
-        checked = stiffness_rows(its, what, (frames, N_JOINTS) if wide else (frames,))
+        wide = _dimensions(its) == 2
+        shape = (frames, N_JOINTS) if wide else (frames,)
+        checked = stiffness_rows(its, what, shape, f"({frames},) or ({frames}, {N_JOINTS})")
         out[:, person] = checked if wide else checked[:, None]
     out[:, :, 0] = 0.0
     return out
@@ -209,5 +211,13 @@ def stiffness_of_motions(usual: Array, motions: Sequence[Motion]) -> Array | Non
 def _constant(value: Any) -> bool:
     """Whether a stiffness is constant over time."""
     return isinstance(value, Mapping) or (
-        not isinstance(value, list | tuple) and np.ndim(value) == 0
+        not isinstance(value, list | tuple) and _dimensions(value) == 0
     )
+
+
+def _dimensions(value: Any) -> int:
+    """Dimensions of an array or of lists; -1: neither."""
+    try:
+        return as_array(value).ndim
+    except (TypeError, ValueError):
+        return -1

@@ -12,9 +12,9 @@ none does, and nothing is inside or over anything, the clip comes back as it is.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -121,9 +121,12 @@ def fix(
     """
     from halfphysics.geometry.shapes import Plane
     from halfphysics.scene.scene import Scene
+    from halfphysics.simulation.argument_checks import checked_scene, checked_settings
     from halfphysics.simulation.simulate import simulate
 
     people = _people(motion, body)
+    checked_scene(scene)
+    checked_settings(settings)
     originals = tuple(m for m, _ in people)
     done: list[str] = []
     left: list[str] = []
@@ -160,11 +163,17 @@ def _people(
     """Each person's motion, without what it was adapted to, and body."""
     from halfphysics.body.body import Body
     from halfphysics.motion.motion import Motion
+    from halfphysics.simulation.argument_checks import checked_bodies, checked_motion
 
-    motions = [motion] if isinstance(motion, Motion) else list(motion)
-    if not motions or not all(isinstance(m, Motion) for m in motions):
-        raise InputError("motion: expected a Motion, or a list of one a person")
-    bodies = [body] * len(motions) if body is None or isinstance(body, Body) else list(body)
+    many = isinstance(motion, Iterable) and not isinstance(motion, str | Motion)
+    motions = list(motion) if many else [motion]  # type: ignore[arg-type]
+    if not motions:
+        raise InputError("motion: found none, expected a Motion, or a list of one a person")
+    for one in motions:
+        checked_motion(one)
+    alone = body is None or isinstance(body, Body | str) or not isinstance(body, Iterable)
+    bodies: list[Any] = [body] * len(motions) if alone else list(body)  # type: ignore[arg-type]
+    checked_bodies([one for one in bodies if one is not None])
     if len(bodies) != len(motions):
         raise InputError(
             f"body: found {len(bodies)}, expected one for each of {len(motions)} people"

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import os
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeVar, cast
 
-from halfphysics.base.validation import is_whole
+from halfphysics.base.validation import is_whole, shown
 from halfphysics.body.body import Body
 from halfphysics.body.match import check_match
 from halfphysics.errors import InputError
 from halfphysics.motion.motion import Motion
 from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
+from halfphysics.simulation.sequence import Sequence as Story
 
 T = TypeVar("T")
+
+
+def way_to(value: object, load: str) -> str:
+    """The end of a message about `value`: how to `load` it where it is a path, else nothing."""
+    return f". Load it: {load}({shown(value)})" if isinstance(value, str | os.PathLike) else ""
 
 
 def several(value: T | Sequence[T]) -> list[T]:
@@ -37,7 +44,10 @@ def checked_bodies(body: Body | Sequence[Body] | None) -> list[Body]:
     bodies = several(Body.default() if body is None else body)
     for one in bodies:
         if not isinstance(one, Body):
-            raise InputError(f"body: found {one!r}, expected a halfphysics.Body")
+            raise InputError(
+                f"body: found {shown(one)}, expected a halfphysics.Body"
+                + way_to(one, "halfphysics.Body.load")
+            )
     return bodies
 
 
@@ -51,15 +61,35 @@ def check_person_index(what: str, person: int | None, people: int) -> None:
 def checked_scene(scene: Scene | None) -> Scene:
     """A scene; None: an empty one. Raises `InputError` for anything else."""
     if scene is not None and not isinstance(scene, Scene):
-        raise InputError(f"scene: found {scene!r}, expected a halfphysics.Scene")
+        raise InputError(
+            f"scene: found {shown(scene)}, expected a halfphysics.Scene"
+            + way_to(scene, "halfphysics.Scene.load")
+        )
     return scene or Scene()
 
 
 def checked_settings(settings: Settings | None) -> Settings:
     """Settings; None: the default ones. Raises `InputError` for anything else."""
     if settings is not None and not isinstance(settings, Settings):
-        raise InputError(f"settings: found {settings!r}, expected halfphysics.Settings")
+        fields = f", such as Settings(**{shown(settings)})" if isinstance(settings, Mapping) else ""
+        raise InputError(
+            f"settings: found {shown(settings)}, expected halfphysics.Settings{fields}"
+        )
     return settings or Settings()
+
+
+def checked_motion(motion: Motion) -> Motion:
+    """A motion. Raises `InputError` for anything else, with the way to one."""
+    if isinstance(motion, Motion):
+        return motion
+    way = way_to(motion, "halfphysics.Motion.load")
+    if isinstance(motion, Story):
+        way = " (s.motion, with s.scene, body=s.body and settings=s.settings)"
+    elif isinstance(getattr(motion, "motion", None), Motion):
+        way = ", such as its .motion"
+    elif isinstance(motion, Iterator):
+        way = " or a list of them"
+    raise InputError(f"motion: found {shown(motion)}, expected a halfphysics.Motion{way}")
 
 
 def checked_people(
@@ -81,8 +111,7 @@ def checked_people(
     """
     motions = several(motion)
     for one in motions:
-        if not isinstance(one, Motion):
-            raise InputError(f"motion: found {one!r}, expected a halfphysics.Motion")
+        checked_motion(one)
     if not motions:
         raise InputError("motion: found an empty list, expected at least one Motion")
     first = motions[0]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import math
 import os
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -16,7 +15,7 @@ from halfphysics.base.atomic import atomic_path
 from halfphysics.base.in_notebook import InNotebook
 from halfphysics.base.short_repr import counted
 from halfphysics.base.stopwatch import Stopwatch
-from halfphysics.base.validation import real
+from halfphysics.base.validation import real, shown, within
 from halfphysics.errors import InputError
 from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.motion.pose import Pose
@@ -427,6 +426,6 @@ def _check_length(what: str, dt: float) -> None:
 
 def _positive(name: str, value: float) -> float:
     number = real(value)
-    if number is None or not (math.isfinite(number) and number > 0.0):
-        raise InputError(f"{name}: found {value!r}, expected a positive number")
+    if number is None or not within(number, above=0.0):
+        raise InputError(f"{name}: found {shown(value)}, expected a positive number")
     return number

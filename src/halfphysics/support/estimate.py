@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base import validation
 from halfphysics.base.stopwatch import Stopwatch
-from halfphysics.base.validation import number
+from halfphysics.base.validation import number, shown
+from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.results.contacts import Contacts
 from halfphysics.results.surroundings import Surroundings
@@ -55,7 +57,7 @@ def estimate(
     `Result.people[i].support` has the moved objects and their contact impulses too.
 
     Args:
-        motion: T >= 1 frames; one to three are too short for accelerations and count as slow.
+        motion: T frames; two have no acceleration and count as slow.
         scene: Its surfaces and gravity. Without any surface there is no support: all of the
             required wrench is residual.
         body: The person; None: the default body.
@@ -67,8 +69,15 @@ def estimate(
     """
     from halfphysics.body.body import Body
     from halfphysics.body.match import check_match
+    from halfphysics.motion.motion import Motion
+    from halfphysics.scene.scene import Scene
 
-    body = Body.default() if body is None else body
+    for name, value, kind in (("motion", motion, Motion), ("scene", scene, Scene)):
+        if not isinstance(value, kind):
+            raise InputError(
+                f"support: {name}: found {shown(value)}, expected a halfphysics.{kind.__name__}"
+            )
+    body = Body.default() if body is None else validation.body(body, "vertices")
     check_match(motion, body)
     names = (*scene.statics, *scene.objects, *_links(scene), "person")
     tracks = {name: _start(scene, name) for name in _links(scene)}

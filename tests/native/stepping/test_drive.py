@@ -68,6 +68,8 @@ def test_settings_stay_values():
         ({"strength": "strong"}, "strength is 'strong'; expected None, 'human', or a mapping"),
         ({"strength": {"rot": 1.0}}, "no joint 'rot'; did you mean 'root'"),
         ({"strength": {"arms": 50.0}, "drive_time": None}, "None without drive_time"),
+        ({"strength": np.ones(55)}, "(?s)strength is .*expected a mapping"),
+        ({"blocked": np.zeros(2)}, "blocked is .*expected 'wait' or 'continue'"),
     ],
 )
 def test_impossible_settings(changes, said):

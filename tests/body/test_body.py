@@ -206,13 +206,19 @@ def test_mass_scales_masses_and_inertias_evenly() -> None:
     assert np.array_equal(body.rest_vertices, plain.rest_vertices)
 
 
-@pytest.mark.parametrize("mass", [0.0, -60.0, np.nan, 1e4, "heavy"])
+@pytest.mark.parametrize("option", ["betas", "bones", "stature", "mass"])
+def test_numbers_without_end_are_refused(option: str) -> None:
+    with pytest.raises(InputError, match=f"{option}: "):
+        Body.default(**{option: 10**400})
+
+
+@pytest.mark.parametrize("mass", [0.0, -60.0, np.nan, 1e4, "heavy", True])
 def test_impossible_masses(mass: Any) -> None:
     with pytest.raises(InputError, match="mass"):
         Body.default(mass=mass)
 
 
-@pytest.mark.parametrize("stature", [175, 0.0, -1.7, np.nan, "tall"])
+@pytest.mark.parametrize("stature", [175, 0.0, -1.7, np.nan, "tall", True])
 def test_impossible_statures(stature: Any) -> None:
     with pytest.raises(InputError, match="stature"):
         Body.default(stature=stature)

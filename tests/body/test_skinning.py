@@ -153,8 +153,9 @@ def test_indices_are_checked(indices: list[int], skin: skinning.Skin) -> None:
 
 
 def test_threads_are_checked(skin: skinning.Skin) -> None:
-    with pytest.raises(InputError, match="threads: found 0"):
-        run(skin, make_rotations(2), threads=0)
+    for threads in (0, None, 1.5, "2", np.nan):
+        with pytest.raises(InputError, match=f"threads: found {threads!r}, expected 1 or more"):
+            run(skin, make_rotations(2), threads=threads)
 
 
 def test_native_core_refuses_what_would_read_foreign_memory() -> None:

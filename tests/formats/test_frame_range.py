@@ -42,6 +42,13 @@ def test_frames_beyond_the_end_are_those_that_are_there(clip):
     assert len(hp.Motion.load(clip, frames=(-2, None))) == 2
 
 
+def test_frames_are_whole_numbers_of_numpy_too(clip):
+    assert len(hp.Motion.load(clip, frames=(np.int64(3), np.int32(10)))) == 7
+    for wrong in [(1.5, 3), ("a", 3), (True, 3), (0, 3, 1), 3, slice(0, 3)]:
+        with pytest.raises(InputError, match=r"frames: found .*whole numbers or None"):
+            hp.Motion.load(clip, frames=wrong)
+
+
 def test_other_errors_stay_as_they_are():
     asked = []
 

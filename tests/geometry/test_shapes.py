@@ -133,6 +133,9 @@ def test_mesh_keeps_its_arrays_to_itself() -> None:
         (np.eye(2), [[0, 1, 1]], r"\(V, 3\)"),
         ([[0, 0, 0], [1, 0, 0], [np.nan, 1, 0]], [[0, 1, 2]], "1 of 3 are NaN.* number 2"),
         (np.eye(3), [[0, 1, 1]], "three different corners"),
+        ("box", [[0, 1, 2]], r"vertices: expected numbers \(V, 3\)"),
+        ([[0.0], [0.0, 1.0]], [[0, 1, 2]], r"vertices: expected numbers \(V, 3\)"),
+        (np.eye(3), [[0], [0, 1]], r"faces: expected whole numbers \(F, 3\)"),
     ],
 )
 def test_impossible_meshes(vertices: object, faces: object, message: str) -> None:

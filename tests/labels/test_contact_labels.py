@@ -118,6 +118,11 @@ def test_farther_than_clearance_and_a_millimetre_is_no_contact():
         labels.skin_near(0.02)
     with pytest.raises(InputError, match="person 1 and object 0, expected one of 1 people"):
         labels.skin_near(0.01, person=1)
+    for wrong in ("ball", None, [0], 0.0, -1, True):
+        with pytest.raises(InputError, match=r"and object .*by their index \(0: ball\)"):
+            labels.skin_near(0.01, item=wrong)
+    with pytest.raises(InputError, match="within: expected a number of at least 0"):
+        labels.skin_near([0.01])
     with pytest.raises(InputError, match="Result"):
         contact_labels(result.motion)
 

@@ -109,5 +109,13 @@ def test_arctic_has_distances_and_contact_both_ways():
     assert np.array_equal(ordered["dist.lo"], found["dist.lo"][:, ::-1])
     with pytest.raises(InputError, match="'left' and 'right'"):
         arctic(labels, hands={"right": mano["right"]})
-    with pytest.raises(InputError, match="expected vertices"):
-        arctic(labels, hands={"left": [-1], "right": [0]})
+    for wrong in ({"left": [-1], "right": [0]}, {"left": [[0], [0, 1]], "right": [[0], [0, 1]]}):
+        with pytest.raises(InputError, match="expected vertices"):
+            arctic(labels, hands=wrong)
+    with pytest.raises(InputError, match="hands: found 3, expected 'left' and 'right'"):
+        arctic(labels, hands=3)
+    with pytest.raises(InputError, match=r"most: expected a number of at least 0"):
+        arctic(labels, most="far")
+    for export in (arctic, behave, chois, omomo):
+        with pytest.raises(InputError, match=r"labels: found None, expected .*contact_labels"):
+            export(None)

@@ -44,5 +44,7 @@ def test_over_sequences_by_hand() -> None:
     assert (clear.rate_percent, clear.depth_max_mm, clear.depth_penetrating_mm) == (0.0, 0.0, 0.0)
     with pytest.raises(InputError, match="reports: found none"):
         metrics.over_sequences([])
+    with pytest.raises(InputError, match=r"reports: expected those of .*found None"):
+        metrics.over_sequences(None)  # type: ignore[arg-type]
     with pytest.raises(InputError, match="reports: expected those of"):
         metrics.over_sequences([first, 3])  # type: ignore[list-item]

@@ -80,10 +80,9 @@ def test_mistakes_leave_all_worlds_as_they_are():
         hp.step_worlds(first, [pose])
     with pytest.raises(InputError, match="poses: found Pose, expected a list"):
         hp.step_worlds([first, second], pose)
-    with pytest.raises(InputError, match="found True, expected 1 or more"):
-        hp.step_worlds([first], [pose], threads=True)
-    with pytest.raises(InputError, match="found 0, expected 1 or more"):
-        hp.step_worlds([first], [pose], threads=0)
+    for threads in (0, 1.5, True, "2"):
+        with pytest.raises(InputError, match=r"threads: found .*, expected 1 or more"):
+            hp.step_worlds([first], [pose], threads=threads)
     with pytest.raises(InputError, match="found str, expected what bind returned"):
         hp.step_worlds(["first"], [pose])
     with pytest.raises(InputError, match=r"expected a halfphysics\.Pose"):

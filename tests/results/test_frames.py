@@ -100,6 +100,8 @@ def test_what_is_missing_is_said(monkeypatch):
     contacts = small.result().contacts
     with pytest.raises(hp.errors.InputError, match=r"library: found 'dask', expected 'pandas' or"):
         contacts.to_dataframe("dask")
+    with pytest.raises(hp.errors.InputError, match=r"library: found \['pandas'\], expected"):
+        contacts.to_dataframe(["pandas"])
     monkeypatch.setitem(sys.modules, "polars", None)
     with pytest.raises(
         hp.errors.MissingDependencyError,

@@ -94,6 +94,9 @@ def test_wrong_arguments():
     result = small.alone()
     with pytest.raises(hp.errors.InputError, match=r"plot: found 'speed', expected some of clear"):
         result.plot("speed")
+    for wrong in (None, 3, [["forces"]]):
+        with pytest.raises(hp.errors.InputError, match=r"plot: found .*, expected some of clear"):
+            result.plot(wrong)
     with pytest.raises(hp.errors.InputError, match=r"plot: found \(\), expected some of"):
         result.plot(())
     with pytest.raises(

@@ -55,6 +55,11 @@ def test_free_frames(body):
     np.testing.assert_array_equal(free, expected)
     with pytest.raises(InputError, match="person: found 1"):
         result.free_frames(1)
+    assert not result.free_frames(settle=1e300)[10:].any()
+    assert result.free_frames(settle=1e300)[:10].all()
+    for wrong in (-0.1, np.nan, None, "0.1"):
+        with pytest.raises(InputError, match=r"settle: expected a number of at least 0 \[s\]"):
+            result.free_frames(settle=wrong)
 
 
 @pytest.mark.parametrize(

@@ -28,6 +28,8 @@ def test_what_is_said_of_a_part_counts_first():
     assert not scene.ignores("person/jaw", "floor")
     with pytest.raises(InputError, match="did you mean 'person/left_foot'"):
         scene.friction("person/left_fot", "floor", 0.1)
+    with pytest.raises(InputError, match=r"the scene has nothing called array\("):
+        scene.friction(np.zeros(2), "floor", 0.1)
 
 
 def test_files(tmp_path):

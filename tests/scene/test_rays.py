@@ -181,6 +181,11 @@ def test_names_that_are_wrong():
         scene.ray((0, 0, 1), (0, 0, -1), ignore=["flor"])
     with pytest.raises(InputError, match=r"expected a list such as \['floor'\]"):
         scene.ray((0, 0, 1), (0, 0, -1), ignore="floor")
+    for wrong in (None, 3):
+        with pytest.raises(InputError, match=r"ignore: found .*expected a list of names"):
+            scene.ray((0, 0, 1), (0, 0, -1), ignore=wrong)
+    with pytest.raises(InputError, match="there is nothing called"):
+        scene.ray((0, 0, 1), (0, 0, -1), ignore=[["floor"]])
     with pytest.raises(InputError, match="reset"):
         Simulator(scene, body=[]).ray((0, 0, 1), (0, 0, -1))
 

@@ -43,11 +43,25 @@ def test_a_small_scene() -> None:
     assert faces.max() < len(vertices)
 
 
+class Shared:
+    """An array of another library that has `__dlpack__` alone."""
+
+    def __init__(self, numbers: list[float]) -> None:
+        self._array = np.array(numbers)
+
+    def __dlpack__(self, **options: object) -> object:
+        return self._array.__dlpack__(**options)
+
+    def __dlpack_device__(self) -> object:
+        return self._array.__dlpack_device__()
+
+
 def test_gravity() -> None:
     np.testing.assert_array_equal(Scene(gravity=0).gravity, np.zeros(3))
     np.testing.assert_array_equal(Scene(gravity=(0, -9.81, 0)).gravity, [0, -9.81, 0])
     np.testing.assert_array_equal(Scene(gravity=np.array([1.0, 2, 3])).gravity, [1, 2, 3])
-    for bad in (-9.81, np.nan, "9.81", (1, 2), (0, 0, np.nan), None):
+    np.testing.assert_array_equal(Scene(gravity=Shared([0.0, 0.0, -1.6])).gravity, [0, 0, -1.6])
+    for bad in (-9.81, np.nan, "9.81", (1, 2), (0, 0, np.nan), None, [[1], [1, 2]]):
         with pytest.raises(InputError, match="Scene: gravity"):
             Scene(gravity=bad)  # type: ignore[arg-type]
 

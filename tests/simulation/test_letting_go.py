@@ -266,6 +266,8 @@ def test_a_ray_and_a_velocity_find_it(body):
         (lambda s: s.attach("door/leaf"), "'door/leaf' is articulated"),
         (lambda s: s.release("stick"), "'stick' is not held. Held: cup"),
         (lambda s: s.release("cu"), "release: there is no object called 'cu'"),
+        (lambda s: s.release(["cup"]), r"release: there is no object called \['cup'\]"),
+        (lambda s: s.attach(["cup"]), r"attach: there is no object called \['cup'\]"),
         (lambda s: s.release("door"), "'door' is articulated"),
         (lambda s: s.apply_impulse("cup", (0, 0, 1)), "left_wrist of 'person' holds 'cup'"),
         (lambda s: s.set_velocity("cup", (0, 0, 1)), "release\\('cup'\\) it first"),

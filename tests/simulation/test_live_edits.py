@@ -224,6 +224,7 @@ DOOR = """
         (lambda s: s.velocity("door/leaf"), "velocity: 'door/leaf' is articulated"),
         (lambda s: s.apply_impulse("door/leaf", (0, 0, 1)), "'door/leaf' is articulated"),
         (lambda s: s.remove_object("door"), "remove_object: 'door' is articulated"),
+        (lambda s: s.velocity(np.zeros(2)), "no object called array"),
         (lambda s: s.add_object("crate", Sphere(1), mass=1), "already"),
         (lambda s: s.add_object("new", Sphere(1)), "mass="),
     ],

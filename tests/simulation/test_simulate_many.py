@@ -127,6 +127,7 @@ def test_baselines_of_another_engine():
 
 def test_nothing_to_do():
     assert hp.simulate_many([]) == []
+    assert hp.simulate_many([], threads=np.int64(2)) == []
 
 
 def test_what_fails_is_named():

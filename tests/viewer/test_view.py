@@ -173,6 +173,9 @@ def test_ports():
         port = busy.getsockname()[1]
         assert free_port("127.0.0.1", port) > port
     assert free_port("127.0.0.1", 0) == 0
+    assert free_port("127.0.0.1", np.int64(0)) == 0
+    with pytest.raises(InputError, match=r"host: found 3, expected an address"):
+        free_port(3, 0)
     for wrong in (-1, 65536, 1.5, True, "8080"):
         with pytest.raises(InputError, match="port"):
             free_port("127.0.0.1", wrong)

@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from halfphysics.base.arrays import array_of, as_array, scalar_of
+from halfphysics.base.arrays import array_of, as_array
 from halfphysics.base.copying import ReadOnly
 from halfphysics.base.in_notebook import InNotebook
+from halfphysics.base.validation import real, shown
 from halfphysics.body import skinning
 from halfphysics.body.shape_space import ShapeSpace, Source
 from halfphysics.errors import InputError
@@ -436,10 +437,9 @@ def _within(value: float | None, name: str, limits: tuple[float, float], unit: s
     if value is None:
         return None
     low, high = limits
-    try:
-        number = float(scalar_of(value))
-    except (TypeError, ValueError):
-        raise InputError(f"{name}: found {value!r}, expected {unit}") from None
+    number = real(value)
+    if number is None:
+        raise InputError(f"{name}: found {shown(value)}, expected {unit}")
     if not low <= number <= high:
         found, unit = f"{number:g}", unit.split(",")[0]
         raise InputError(f"{name}: found {found}, expected {low:g} to {high:g} {unit}")

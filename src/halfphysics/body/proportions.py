@@ -107,7 +107,7 @@ def checked_bones(bones: ArrayLike, joints: Array) -> Array:
     """
     try:
         given = np.array(array_of(bones), dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"bones: not numbers ({error}), expected ({N_JOINTS}, 3)") from None
     if given.shape != (N_JOINTS, 3):
         raise InputError(

@@ -77,7 +77,7 @@ class ShapeSpace:
         count = self.shapedirs.shape[2]
         try:
             given = np.asarray([] if betas is None else array_of(betas), dtype=np.float64)
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, OverflowError) as error:
             raise InputError(f"betas: not numbers ({error}), expected a vector (n,)") from None
         if given.ndim == 2 and len(given) == 1:
             given = given[0]

@@ -22,6 +22,7 @@ import halfphysics._native as _native
 from halfphysics.base.arrays import as_array
 from halfphysics.base.copying import ReadOnly
 from halfphysics.base.short_repr import short_repr
+from halfphysics.base.validation import is_whole, shown
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import PARENTS
 
@@ -108,8 +109,8 @@ def skin(
     """
     count = len(skin.rest_vertices)
     subset = _NO_SUBSET if indices is None else checked_indices(indices, count)
-    if threads < 1:
-        raise InputError(f"threads: found {threads}, expected 1 or more")
+    if not is_whole(threads, least=1, plain=False):
+        raise InputError(f"threads: found {shown(threads)}, expected 1 or more")
     out = np.empty((len(positions), count if indices is None else len(subset), 3))
     _native.skin(
         skin.rest_vertices,

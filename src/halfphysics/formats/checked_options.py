@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import Literal
 
 from halfphysics.base.axes import AXES
-from halfphysics.base.validation import file_path, frame_rate, number, shown
+from halfphysics.base.validation import file_path, frame_rate, is_whole, number, shown
 from halfphysics.errors import InputError
 from halfphysics.formats.format import Assets, Options
 from halfphysics.motion.motion import GENDERS, MODELS
@@ -48,11 +48,8 @@ def checked_options(
         )
     if gender is not None and gender not in GENDERS:
         raise InputError(f"gender: found {gender!r}, expected one of {', '.join(GENDERS)}")
-    pair = isinstance(frames, list | tuple) and len(frames) == 2
-    if frames is not None and not (pair and all(isinstance(i, int | None) for i in frames)):
-        raise InputError(
-            f"frames: found {shown(frames)}, expected (start, stop), whole numbers or None"
-        )
+    if frames is not None:
+        frames = _checked_frames(frames)
     if clip is not None and (not isinstance(clip, str) or not clip):
         raise InputError(f"clip: found {shown(clip)}, expected the name of a clip in the file")
     if assets is None:
@@ -75,3 +72,14 @@ def checked_options(
         objects=objects,
         floor=floor,
     )
+
+
+def _checked_frames(frames: object) -> tuple[int | None, int | None]:
+    """First frame and end of what is read, as Python's own numbers."""
+    pair = isinstance(frames, list | tuple) and len(frames) == 2
+    if not (pair and all(i is None or is_whole(i, plain=False) for i in frames)):  # type: ignore[attr-defined]
+        raise InputError(
+            f"frames: found {shown(frames)}, expected (start, stop), whole numbers or None"
+        )
+    start, stop = (None if i is None else int(i) for i in frames)  # type: ignore[attr-defined]
+    return start, stop

@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -43,8 +44,7 @@ class Mesh(ReadOnly, Shape):
     faces: NDArray[np.int32]
 
     def __post_init__(self) -> None:
-        vertices = np.asarray(array_of(self.vertices), dtype=np.float64)
-        faces = as_array(self.faces)
+        vertices, faces = self._given()
         if vertices.ndim != 2 or vertices.shape[1] != 3:
             raise InputError(f"Mesh: vertices: expected shape (V, 3), found {vertices.shape}")
         if faces.size == 0:
@@ -71,6 +71,16 @@ class Mesh(ReadOnly, Shape):
         kept.setflags(write=False)
         object.__setattr__(self, "vertices", vertices)
         object.__setattr__(self, "faces", kept)
+
+    def _given(self) -> tuple[Array, NDArray[Any]]:
+        """Vertices and faces as arrays, of any shape."""
+        what = "vertices: expected numbers (V, 3)"
+        try:
+            vertices = np.asarray(array_of(self.vertices), dtype=np.float64)
+            what = "faces: expected whole numbers (F, 3)"
+            return vertices, as_array(self.faces)
+        except (TypeError, ValueError, OverflowError) as error:
+            raise InputError(f"Mesh: {what}, found something else ({error})") from None
 
     def __repr__(self) -> str:
         return (

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base import rotations as rot
 from halfphysics.base.arrays import as_array
-from halfphysics.base.validation import number
+from halfphysics.base.validation import number, shown
 from halfphysics.errors import InputError
 from halfphysics.labels.tables import LEFT_FOOT, LEFT_HAND, RIGHT_FOOT, RIGHT_HAND, ContactLabels
 from halfphysics.motion.skeleton import JOINT_INDEX
@@ -45,6 +45,7 @@ def behave(
     Raises:
         InputError: No such person or object, or a threshold beyond `ContactLabels.reach`.
     """
+    _check(labels)
     rows = labels.object_near(threshold, person, item)
     points = _in_world(labels, item)
     label = np.zeros(points.shape[:2], dtype=bool)
@@ -75,6 +76,7 @@ def omomo(
     """
     from scipy.spatial import cKDTree
 
+    _check(labels)
     labels.check(person, item)
     owner = labels.result.people[person]
     hands = [JOINT_INDEX["left_middle1"], JOINT_INDEX["right_middle1"]]
@@ -99,6 +101,7 @@ def chois(
     Raises:
         InputError: No such person or object, or a threshold beyond `ContactLabels.reach`.
     """
+    _check(labels)
     rows = labels.skin_near(threshold, person, item)
     part = labels.people[person].vertex_part[rows.vertex]
     found = np.zeros((len(labels), 4), dtype=np.float32)
@@ -134,13 +137,17 @@ def arctic(
         InputError: No such person or object, vertices that the skin does not have, a threshold
             beyond `most`, or that beyond `ContactLabels.reach`.
     """
+    _check(labels)
+    most = number(most, "most", least=0.0, unit="m")
     threshold = number(threshold, "threshold", least=0.0, most=most, unit="m")
     surface = labels.object_near(most, person, item)
     skin = labels.skin_near(most, person, item)
     part = labels.people[person].vertex_part
     found: dict[str, NDArray[Any]] = {"threshold_m": np.array(threshold)}
     for letter, side, parts in (("r", "right", RIGHT_HAND), ("l", "left", LEFT_HAND)):
-        vertices = _hand(hands, side, len(part)) if hands else np.flatnonzero(np.isin(part, parts))
+        vertices = np.flatnonzero(np.isin(part, parts))
+        if hands is not None:
+            vertices = _hand(hands, side, len(part))
         to = np.full((len(labels), len(part)), most)
         to[skin.frame, skin.vertex] = skin.distance
         back = np.full((len(labels), len(labels.objects[item].vertices)), most)
@@ -153,10 +160,21 @@ def arctic(
     return found
 
 
+def _check(labels: object) -> None:
+    if not isinstance(labels, ContactLabels):
+        raise InputError(f"labels: found {shown(labels)}, expected those of contact_labels(result)")
+
+
 def _hand(hands: Mapping[str, ArrayLike], side: str, count: int) -> NDArray[np.intp]:
-    if side not in hands:
-        raise InputError(f"hands: found {sorted(hands)}, expected 'left' and 'right'")
-    vertices = as_array(hands[side])
+    if not isinstance(hands, Mapping) or side not in hands:
+        found = shown(sorted(map(str, hands)) if isinstance(hands, Mapping) else hands)
+        raise InputError(f"hands: found {found}, expected 'left' and 'right'")
+    try:
+        vertices = as_array(hands[side])
+    except (TypeError, ValueError):
+        raise InputError(
+            f"hands: {side}: found {shown(hands[side])}, expected vertices (n,)"
+        ) from None
     ok = vertices.ndim == 1 and vertices.dtype.kind in "iu" and len(vertices) > 0
     if not ok or vertices.min() < 0 or vertices.max() >= count:
         raise InputError(

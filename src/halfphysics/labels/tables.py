@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.short_repr import short_repr
-from halfphysics.base.validation import number
+from halfphysics.base.validation import is_whole, number, shown
 from halfphysics.errors import InputError
 from halfphysics.labels.item_solids import item_solids
 from halfphysics.labels.proximity import Near, Target, near
@@ -157,6 +157,7 @@ class ContactLabels:
         Raises:
             InputError: Farther than `reach`, or no such person or object.
         """
+        within = number(within, "within", least=0.0, unit="m")
         if (within, True) in self._found:  # it has the skin's vertices too
             return self._near(within, person, item, True)[0].within(within)
         return self._near(within, person, item, False)[0].within(within)
@@ -215,16 +216,20 @@ class ContactLabels:
         Raises:
             InputError: It is not.
         """
-        if not (0 <= person < len(self.people) and 0 <= item < len(self.objects)):
-            raise InputError(
-                f"labels: found person {person} and object {item}, expected one of "
-                f"{len(self.people)} people and of {len(self.objects)} objects"
-            )
+        for index, among in ((person, self.people), (item, self.objects)):
+            if not (is_whole(index, least=0, plain=False) and index < len(among)):
+                names = ", ".join(f"{k}: {one.name}" for k, one in enumerate(self.objects))
+                raise InputError(
+                    f"labels: found person {shown(person)} and object {shown(item)}, expected one "
+                    f"of {len(self.people)} people and of {len(self.objects)} objects, by their "
+                    f"index ({names or 'none'})"
+                )
 
     def _near(self, within: float, person: int, item: int, both: bool) -> tuple[Near, Near]:
         """Vertices near each other, of the skin alone or of `both`; cached."""
         self.check(person, item)
-        if number(within, "within", least=0.0, unit="m") <= self.threshold_m:
+        within = number(within, "within", least=0.0, unit="m")
+        if within <= self.threshold_m:
             owner = self.people[person]
             return owner.body_near[item], owner.object_near[item]
         if within > self.reach:

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING
 
-from halfphysics.base.validation import is_whole, number
+from halfphysics.base.validation import is_whole, number, shown
 from halfphysics.errors import InputError
 from halfphysics.live.latency import Latency
 from halfphysics.live.pages import pages
@@ -72,12 +72,12 @@ def serve(
         MissingDependencyError: A protocol needs a package that is not installed.
     """
     fps = number(fps, "fps", least=RATES[0], most=RATES[1])
-    if not is_whole(port, least=0) or port > 65535:
-        raise InputError(f"port: found {port!r}, expected a whole number from 0 to 65535")
+    if not is_whole(port, least=0, plain=False) or port > 65535:
+        raise InputError(f"port: found {shown(port)}, expected a whole number from 0 to 65535")
     gate = Gate(host, token_for(host, token), tuple(origins))
     session = Session(scene, body=body, start=start, settings=settings, fps=fps)
     recorder = None if record is None else Recorder(Path(record), session.simulator)
-    return LiveServer(session, gate, port, recorder, listen, forward)
+    return LiveServer(session, gate, int(port), recorder, listen, forward)
 
 
 class LiveServer:

@@ -45,7 +45,7 @@ def over_sequences(reports: Iterable[PenetrationReport]) -> PenetrationSummary:
     Raises:
         InputError: No reports, or something else among them.
     """
-    found = list(reports)
+    found = list(reports) if isinstance(reports, Iterable) else [reports]
     for report in found:
         if not isinstance(report, PenetrationReport):
             raise InputError(

@@ -7,7 +7,7 @@ from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 from halfphysics.base.machine import cores
-from halfphysics.base.validation import is_whole
+from halfphysics.base.validation import is_whole, shown
 from halfphysics.errors import InputError
 from halfphysics.mujoco import engine
 from halfphysics.mujoco.control import Control, _timestep
@@ -93,4 +93,4 @@ def _check(controls: Sequence[Control], poses: Sequence[object], threads: int | 
             "world are bound together: halfphysics.bind)"
         )
     if threads is not None and not is_whole(threads, least=1, plain=False):
-        raise InputError(f"step_worlds: threads: found {threads!r}, expected 1 or more")
+        raise InputError(f"step_worlds: threads: found {shown(threads)}, expected 1 or more")

@@ -29,7 +29,7 @@ _ENDINGS = {"N s": "Ns"}
 def table_frame(table: Table, library: str) -> Any:
     """The work behind `Table.to_dataframe`."""
     makers = {"pandas": _pandas, "polars": _polars}
-    if library not in makers:
+    if not isinstance(library, str) or library not in makers:
         raise InputError(f"library: found {shown(library)}, expected 'pandas' or 'polars'")
     module = optional(library, "data frames", "frames")
     return makers[library](module, list(_columns(table)), table.UNITS)

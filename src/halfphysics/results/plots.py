@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,8 +26,9 @@ MOST = 6
 
 def plot(result: Result, what: Sequence[str], ax: Any) -> Any:
     """The work behind `Result.plot`."""
-    names = (what,) if isinstance(what, str) else tuple(what)
-    unknown = [name for name in names if name not in CHARTS]
+    one = isinstance(what, str) or not isinstance(what, Iterable)
+    names = (what,) if one else tuple(what)
+    unknown = [name for name in names if not isinstance(name, str) or name not in CHARTS]
     if unknown or not names:
         raise InputError(f"plot: found {shown(what)}, expected some of {', '.join(CHARTS)}")
     pyplot = optional("matplotlib.pyplot", "plots", "notebook")

@@ -19,7 +19,7 @@ from halfphysics.base.arrays import array_of
 from halfphysics.base.copying import FrozenMapping, ReadOnly
 from halfphysics.base.in_notebook import InNotebook
 from halfphysics.base.short_repr import counted
-from halfphysics.base.validation import is_whole, shown
+from halfphysics.base.validation import is_whole, number, shown
 from halfphysics.errors import InputError
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.skeleton import N_JOINTS
@@ -244,13 +244,17 @@ class Result(InNotebook, ReadOnly):
         and nothing that weight corrects.
 
         After a contact the deviation decays over a few `Settings.drive_time`; `settle` covers it.
+
+        Raises:
+            InputError: There is no such person, or `settle` is no number of at least 0.
         """
         self._check_person(person)
         touched = np.zeros(len(self), dtype=bool)
         hurt = self.contacts.person == person
         touched[self.contacts.frame[hurt & self.contacts.impulse.any(axis=1)]] = True
         touched |= self.people[person].corrected
-        reach = int(np.ceil(settle * self.fps))
+        settle = number(settle, "settle", least=0.0, unit="s")
+        reach = int(np.ceil(min(settle * self.fps, len(self))))
         last = np.where(touched, np.arange(len(self)), -reach - 1)
         return np.arange(len(self)) - np.maximum.accumulate(last) > reach
 

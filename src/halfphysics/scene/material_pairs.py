@@ -51,7 +51,7 @@ def checked_pair(what: str, a: str, b: str, items: Collection[str]) -> frozenset
     for name in (a, b):
         if isinstance(name, str) and name.startswith(f"{PERSON}/"):
             check_part(what, name)
-        elif name not in known:
+        elif not isinstance(name, str) or name not in known:
             hint = did_you_mean(name, known, form=repr)
             raise InputError(
                 f"{what}: the scene has nothing called {shown(name)}{hint}. "

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -107,14 +107,17 @@ def checked_names(ignore: Collection[str], known: Collection[str]) -> set[str]:
         raise InputError(
             f"ray: ignore: found {shown(ignore)}, expected a list such as [{ignore!r}]"
         )
-    for name in ignore:
-        if name not in known:
+    if not isinstance(ignore, Iterable):
+        raise InputError(f"ray: ignore: found {shown(ignore)}, expected a list of names")
+    names = list(ignore)
+    for name in names:
+        if not isinstance(name, str) or name not in known:
             hint = did_you_mean(name, known, form=repr)
             raise InputError(
                 f"ray: ignore: there is nothing called {shown(name)}{hint}. "
                 f"There are: {', '.join(known) or 'none'}"
             )
-    return set(ignore)
+    return set(names)
 
 
 def scene_ray(

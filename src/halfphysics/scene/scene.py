@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics.base.arrays import as_array
 from halfphysics.base.copying import ReadOnly
 from halfphysics.base.in_notebook import InNotebook
 from halfphysics.base.validation import number, vector
@@ -50,7 +51,11 @@ class Scene(InNotebook, ReadOnly):
     """
 
     def __init__(self, gravity: float | ArrayLike = 9.81) -> None:
-        if isinstance(gravity, list | tuple) or np.ndim(gravity) > 0:
+        try:
+            is_vector = as_array(gravity).ndim > 0
+        except (TypeError, ValueError):
+            is_vector = True  # lists of no numbers, which the check says
+        if is_vector:
             self._gravity = vector(gravity, "Scene: gravity", unit="m/s^2")
         else:
             down = number(gravity, "Scene: gravity (downward; a vector points anywhere)", least=0.0)

@@ -96,6 +96,8 @@ def with_held(world: World, name: str, part: str, person: int) -> Mapping[str, H
         InputError: An unknown name, part or person, an object that is not free.
     """
     what = f"attach {shown(name)}"
+    if not isinstance(name, str):
+        raise InputError(f"attach: {world.unknown_object(name)}")
     if world.settings.drive != HALF_PHYSICS:
         raise InputError(
             f"{what}: with the baseline {type(world.settings).__name__} the person does not bear "
@@ -109,7 +111,7 @@ def with_held(world: World, name: str, part: str, person: int) -> Mapping[str, H
         raise InputError(f"{what}: it moves along its trajectory; expected an object of add_object")
     if not isinstance(place, FreeObject):
         raise InputError(f"{what}: {_holder(world, name)} holds it already; release({name!r}) it")
-    if part not in JOINT_NAMES:
+    if not isinstance(part, str) or part not in JOINT_NAMES:
         # Whose hand it is matters more than how the joint's name is spelled.
         meant = str(part).replace("hand", "wrist")
         hint = did_you_mean(meant, JOINT_NAMES, form=repr)
@@ -138,6 +140,8 @@ def without_held(world: World, name: str) -> Mapping[str, Hold]:
     Raises:
         InputError: It is not held.
     """
+    if not isinstance(name, str):
+        raise InputError(f"release: {world.unknown_object(name)}")
     if name in world.held:
         return {n: hold for n, hold in world.held.items() if n != name}
     if name not in {place.name for place in world.objects}:

@@ -177,6 +177,8 @@ def _pushed(world: World, what: str, name: str) -> tuple[FreeObject, Object]:
 
 
 def _found(world: World, what: str, name: str) -> tuple[FreeObject | HeldObject, Object]:
+    if not isinstance(name, str):
+        raise InputError(f"{what}: {world.unknown_object(name)}")
     for place in world.objects:
         if place.name == name:
             return place, world.made_of.objects[name]

@@ -118,7 +118,7 @@ def simulate_many(
     """
     if errors not in ("raise", "return"):
         raise InputError(f"errors: found {shown(errors)}, expected 'raise' or 'return'")
-    if threads is not None and not is_whole(threads, least=1):
+    if threads is not None and not is_whole(threads, least=1, plain=False):
         raise InputError(f"threads: found {shown(threads)}, expected a whole number from 1 on")
     todo = jobs_of(jobs, scenes, body, settings, stiffness)
     if not todo:

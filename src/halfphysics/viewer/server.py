@@ -9,7 +9,7 @@ import socket
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from halfphysics.base.validation import is_whole
+from halfphysics.base.validation import is_whole, shown
 from halfphysics.errors import FileError, InputError, MissingDependencyError
 
 if TYPE_CHECKING:
@@ -85,8 +85,11 @@ def free_port(host: str, port: int) -> int:
         InputError: An invalid host or port.
         FileError: No port is free, or opening one is not permitted.
     """
-    if not is_whole(port, least=0) or port > 65535:
-        raise InputError(f"port: found {port!r}, expected a whole number from 0 to 65535")
+    if not is_whole(port, least=0, plain=False) or port > 65535:
+        raise InputError(f"port: found {shown(port)}, expected a whole number from 0 to 65535")
+    if not isinstance(host, str):
+        raise InputError(f"host: found {shown(host)}, expected an address, such as '127.0.0.1'")
+    port = int(port)
     last = min(port + TRIES, 65536) if port else 1
     for number in range(port, last):
         try:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.base.validation import is_whole
+from halfphysics.base.validation import is_whole, shown
 from halfphysics.errors import InputError
 from halfphysics.render.film.options import FilmOptions
 from halfphysics.render.film.overlay import Overlay, Place
@@ -162,9 +162,9 @@ def workers(threads: int | None) -> int:
     if threads is None:
         allowed: Callable[[int], set[int]] | None = getattr(os, "sched_getaffinity", None)
         return len(allowed(0)) if allowed is not None else os.cpu_count() or 1
-    if not is_whole(threads, least=1):
-        raise InputError(f"threads: found {threads!r}, expected 1 or more")
-    return threads
+    if not is_whole(threads, least=1, plain=False):
+        raise InputError(f"threads: found {shown(threads)}, expected 1 or more")
+    return int(threads)
 
 
 def _places(size: tuple[int, int], results: int, options: FilmOptions) -> list[Place]:

@@ -30,6 +30,13 @@ def test_the_snippets_run_one_after_the_other(tmp_path):
     assert (tmp_path / "charts.png").stat().st_size > 10_000
 
 
+def test_a_result_is_the_line_that_is_printed():
+    names: dict[str, object] = {}
+    exec(BLOCKS[0], names)
+    words = " ".join(PAGE.read_text(encoding="utf-8").split())
+    assert f"`{names['result']!r}`" in words
+
+
 def test_the_page_names_every_variable():
     """Of a dataset with all there is."""
     from support import small_results as small

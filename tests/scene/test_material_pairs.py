@@ -26,8 +26,12 @@ def test_what_is_said_of_a_part_counts_first():
     assert scene.friction_of("person/left_foot", "person/left_foot") == 1.0
     assert scene.ignores("person/head", "floor")
     assert not scene.ignores("person/jaw", "floor")
-    with pytest.raises(InputError, match="did you mean 'person/left_foot'"):
+    with pytest.raises(InputError, match=r"did you mean 'person/left_foot'\? Parts are"):
         scene.friction("person/left_fot", "floor", 0.1)
+    with pytest.raises(InputError, match=r"nothing called 'flor'; did you mean 'floor'\? It has"):
+        scene.friction("flor", "person", 0.1)
+    with pytest.raises(InputError, match=r"nothing called 'xyz'\. It has: floor, person"):
+        scene.friction("xyz", "person", 0.1)
     with pytest.raises(InputError, match=r"the scene has nothing called array\("):
         scene.friction(np.zeros(2), "floor", 0.1)
 

@@ -36,8 +36,12 @@ def task_class(name: str) -> type[Task]:
         InputError: There is none of this name.
     """
     if not isinstance(name, str) or name not in TASKS:
-        hint = did_you_mean(name, list(TASKS), form=repr) if isinstance(name, str) else ""
-        raise InputError(f"task: found {shown(name)}{hint}. There are: {', '.join(TASKS)}")
+        hint = (
+            did_you_mean(name, list(TASKS), form=repr, otherwise=".")
+            if isinstance(name, str)
+            else "."
+        )
+        raise InputError(f"task: found {shown(name)}{hint} There are: {', '.join(TASKS)}")
     module = importlib.import_module(f"halfphysics.envs.{TASKS[name][0]}")
     found: type[Task] = getattr(module, name)
     return found

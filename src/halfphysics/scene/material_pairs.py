@@ -28,9 +28,11 @@ def check_part(what: str, name: str) -> None:
     """Raises `InputError` where a person has no such part."""
     part = name.removeprefix(f"{PERSON}/")
     if part not in JOINT_NAMES:
-        hint = did_you_mean(part, JOINT_NAMES, form=lambda name: f"'{PERSON}/{name}'")
+        hint = did_you_mean(
+            part, JOINT_NAMES, form=lambda name: f"'{PERSON}/{name}'", otherwise="."
+        )
         raise InputError(
-            f"{what}: a person has no part called {part!r}{hint}. Parts are named by their joints, "
+            f"{what}: a person has no part called {part!r}{hint} Parts are named by their joints, "
             "see halfphysics.JOINT_NAMES"
         )
 
@@ -52,9 +54,9 @@ def checked_pair(what: str, a: str, b: str, items: Collection[str]) -> frozenset
         if isinstance(name, str) and name.startswith(f"{PERSON}/"):
             check_part(what, name)
         elif not isinstance(name, str) or name not in known:
-            hint = did_you_mean(name, known, form=repr)
+            hint = did_you_mean(name, known, form=repr, otherwise=".")
             raise InputError(
-                f"{what}: the scene has nothing called {shown(name)}{hint}. "
+                f"{what}: the scene has nothing called {shown(name)}{hint} "
                 f"It has: {', '.join(known)}. Add it first."
             )
     if a == b and not of_person(a):

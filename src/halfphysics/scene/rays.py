@@ -112,9 +112,9 @@ def checked_names(ignore: Collection[str], known: Collection[str]) -> set[str]:
     names = list(ignore)
     for name in names:
         if not isinstance(name, str) or name not in known:
-            hint = did_you_mean(name, known, form=repr)
+            hint = did_you_mean(name, known, form=repr, otherwise=".")
             raise InputError(
-                f"ray: ignore: there is nothing called {shown(name)}{hint}. "
+                f"ray: ignore: there is nothing called {shown(name)}{hint} "
                 f"There are: {', '.join(known) or 'none'}"
             )
     return set(names)

@@ -100,9 +100,9 @@ class Soft:
         """
         material = MATERIALS.get(name) if isinstance(name, str) else None
         if material is None:
-            hint = did_you_mean(name, MATERIALS, form=repr)
+            hint = did_you_mean(name, MATERIALS, form=repr, otherwise=".")
             raise InputError(
-                f"soft: there is no material called {shown(name)}{hint}. There are: "
+                f"soft: there is no material called {shown(name)}{hint} There are: "
                 f"{', '.join(MATERIALS)}; or give halfphysics.Soft(thickness, stiffness)"
             )
         thick = material.thickness
@@ -172,9 +172,9 @@ def _of_fields(given: Mapping[str, Any]) -> Soft:
     known = ("material", *(field.name for field in fields(Soft)))
     for name in given:
         if name not in known:
-            hint = did_you_mean(name, known, form=repr)
+            hint = did_you_mean(name, known, form=repr, otherwise=".")
             raise InputError(
-                f"soft: unknown field {shown(name)}{hint}. There are: {', '.join(known)}"
+                f"soft: unknown field {shown(name)}{hint} There are: {', '.join(known)}"
             )
     values = dict(given)
     if "material" in values:

@@ -121,9 +121,9 @@ class World:
     def unknown_object(self, name: object) -> str:
         """The words for a name that no object has."""
         known = [place.name for place in self.objects]
-        hint = did_you_mean(name, known, form=repr)
+        hint = did_you_mean(name, known, form=repr, otherwise=".")
         there = ", ".join(known) or "none"
-        return f"there is no object called {shown(name)}{hint}. There are: {there}"
+        return f"there is no object called {shown(name)}{hint} There are: {there}"
 
     def reset(self, poses: Sequence[Pose]) -> None:
         """Put the people at `poses` and objects at their start; the core forgets all else."""

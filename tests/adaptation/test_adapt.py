@@ -166,6 +166,24 @@ def test_others_of_another_length_are_refused(carry):
         adapt(carry.motion, carry.scene, carry.body, carry.recorded, others=others)
 
 
+@pytest.mark.parametrize(
+    ("wrong", "says"),
+    [
+        ({"motion": None}, r"motion: found None, expected a halfphysics\.Motion"),
+        ({"scene": "room.yaml"}, r"scene: found 'room\.yaml', expected a halfphysics\.Scene"),
+        ({"body": 3}, r"body: found 3, expected a halfphysics\.Body or None"),
+        ({"recorded": 3}, "recorded: found 3, expected object names and tracks"),
+        ({"settings": {}}, "settings: found {}, expected"),
+        ({"others": 3}, "others: found 3, expected a list of motions with bodies"),
+        ({"others": [3]}, "others: found .3., expected a list of motions with bodies"),
+    ],
+)
+def test_arguments_of_another_kind_are_refused(carry, wrong, says):
+    good = {"motion": carry.motion, "scene": carry.scene, "body": carry.body}
+    with pytest.raises(hp.errors.InputError, match=f"adapt: {says}"):
+        adapt(**(good | {"recorded": carry.recorded} | wrong))
+
+
 def test_algorithm_1_has_no_force_to_set(carry):
     """Without a time constant palms touch and do not press."""
     with warnings.catch_warnings():

@@ -121,6 +121,7 @@ def test_a_timeout(session):
     [
         ("127.0.0.1:1", InputError, "ws://"),
         ("http://127.0.0.1:1", InputError, "ws://"),
+        (8765, InputError, "url: found 8765, expected such as ws://"),
         ("ws://127.0.0.1:1", FileError, "Start halfphysics serve"),
     ],
 )

@@ -57,6 +57,16 @@ def test_beyond_this_machine_there_is_a_token(scene):
         ({"listen": ["telepathy"]}, "telepathy"),
         ({"listen": ["vmc"], "forward": ["vmc"]}, r"follow themselves.*vmc:127\.0\.0\.1:39540"),
         ({"listen": ["vmc,calibrate=5"], "forward": ["vmc:localhost:39539"]}, "follow themselves"),
+        ({"listen": "vmc:39539"}, r"listen: found 'vmc:39539', expected a list.*\['vmc:39539'\]"),
+        ({"forward": [3]}, r"forward: found \[3\], expected a list"),
+        ({"origins": "http://a.b"}, r"origins: found .*expected a list.*\['http://a\.b'\]"),
+        ({"origins": None}, "origins: found None, expected a list"),
+        ({"host": None}, "host: found None, expected an address"),
+        ({"token": 12345678}, "token: found int, expected text"),
+        ({"record": 3}, "path: expected the path of a file"),
+        ({"settings": "stiff"}, "settings: found 'stiff', expected"),
+        ({"start": 3}, r"start: found 3, expected a list of one halfphysics\.Pose a person"),
+        ({"start": ["T"]}, r"start: found 'T', expected a list of one halfphysics\.Pose"),
     ],
 )
 def test_mistakes(scene, options, said):

@@ -24,6 +24,7 @@ from halfphysics.adaptation.recorded_holds import RecordedHold, recorded_holds
 from halfphysics.adaptation.thing import Thing
 from halfphysics.adaptation.timing import Timing
 from halfphysics.base.short_repr import short_repr
+from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
 from halfphysics.motion.adapted_hold import AdaptedHold
 from halfphysics.motion.skeleton import N_JOINTS
@@ -105,11 +106,13 @@ def adapt(
             what their hands hold, too, they bear together.
 
     Raises:
-        InputError: A track, or a motion of the others, of another length than the motion.
+        InputError: A track, or a motion of the others, of another length than the motion; or
+            something of another kind.
     """
     from halfphysics.body.body import Body
     from halfphysics.settings import Settings
 
+    _check(motion, scene, body, recorded, settings, others)
     body = Body.default() if body is None else body
     settings = Settings() if settings is None else settings
     motion = motion if motion.recorded is None else motion.recorded
@@ -142,6 +145,38 @@ def adapt(
         return Adaptation(motion)
     holds.sort(key=lambda h: h.first)
     return Adaptation(replace(out, holds=tuple(holds), recorded=motion))
+
+
+def _check(
+    motion: object,
+    scene: object,
+    body: object,
+    recorded: object,
+    settings: object,
+    others: object,
+) -> None:
+    """Refuse arguments of `adapt` of another kind."""
+    from halfphysics.body.body import Body
+    from halfphysics.motion.motion import Motion
+    from halfphysics.scene.scene import Scene
+    from halfphysics.settings import Settings
+
+    def is_person(value: object) -> bool:
+        if not isinstance(value, list | tuple) or len(value) != 2:
+            return False
+        return isinstance(value[0], Motion) and isinstance(value[1], Body | None)
+
+    several = isinstance(others, list | tuple) and all(map(is_person, others))
+    for what, value, fine, expected in (
+        ("motion", motion, isinstance(motion, Motion), "a halfphysics.Motion"),
+        ("scene", scene, isinstance(scene, Scene), "a halfphysics.Scene"),
+        ("body", body, isinstance(body, Body | None), "a halfphysics.Body or None"),
+        ("recorded", recorded, isinstance(recorded, Mapping | None), "object names and tracks"),
+        ("settings", settings, isinstance(settings, Settings | None), "halfphysics.Settings"),
+        ("others", others, several, "a list of motions with bodies: [(motion, body)]"),
+    ):
+        if not fine:
+            raise InputError(f"adapt: {what}: found {shown(value)}, expected {expected}")
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from halfphysics.base import progress as bars
 from halfphysics.base.validation import file_path, is_whole, shown
@@ -68,8 +68,11 @@ def judge(
 
     if jobs is not None and not is_whole(jobs, least=1, plain=False):
         raise InputError(f"jobs: found {shown(jobs)}, expected a whole number of at least 1")
-    one = isinstance(paths, str | os.PathLike) or not isinstance(paths, Iterable)
-    given = [paths] if one else list(paths)
+    given: list[Any]
+    if isinstance(paths, str | os.PathLike) or not isinstance(paths, Iterable):
+        given = [paths]
+    else:
+        given = list(paths)
     reading = Files(
         scene_file=None if scene is None else file_path(scene),
         body_model=None if body is None else file_path(body),

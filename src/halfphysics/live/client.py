@@ -93,6 +93,8 @@ class LiveClient:
     hello: schema.Hello
 
     def __init__(self, url: str, *, token: str | None = None) -> None:
+        if not isinstance(url, str):
+            raise InputError(f"url: found {url!r}, expected such as ws://127.0.0.1:8765")
         shown = url.partition("?")[0]  # without its token
         headers = {"Authorization": f"Bearer {token}"} if token is not None else None
         try:

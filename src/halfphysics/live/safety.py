@@ -15,6 +15,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from urllib.parse import parse_qs, urlsplit
 
+from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
 
 #: Most connections at a time.
@@ -40,8 +41,13 @@ def token_for(host: str, token: str | None) -> str | None:
     """The token that clients must give: as asked for; a new one beyond this machine; or None.
 
     Raises:
-        InputError: A token that is too short, or of letters that addresses cannot have.
+        InputError: A token that is too short, or of letters that addresses cannot have; or what
+            is no text.
     """
+    if not isinstance(host, str):
+        raise InputError(f"host: found {shown(host)}, expected an address, such as '127.0.0.1'")
+    if not isinstance(token, str | None):
+        raise InputError(f"token: found {type(token).__name__}, expected text")
     if token is None:
         return None if is_loopback(host) else secrets.token_urlsafe(16)
     fine = token.isascii() and all(letter.isalnum() or letter in "-_.~" for letter in token)

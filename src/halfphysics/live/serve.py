@@ -5,11 +5,10 @@ from __future__ import annotations
 import contextlib
 import os
 from collections.abc import Sequence
-from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING
 
-from halfphysics.base.validation import is_whole, number, shown
+from halfphysics.base.validation import file_path, is_whole, number, shown
 from halfphysics.errors import InputError
 from halfphysics.live.latency import Latency
 from halfphysics.live.pages import pages
@@ -74,10 +73,25 @@ def serve(
     fps = number(fps, "fps", least=RATES[0], most=RATES[1])
     if not is_whole(port, least=0, plain=False) or port > 65535:
         raise InputError(f"port: found {shown(port)}, expected a whole number from 0 to 65535")
+    for what, given, example in (
+        ("origins", origins, "http://localhost:5173"),
+        ("listen", listen, "vmc:39539"),
+        ("forward", forward, "vmc:127.0.0.1:39540"),
+    ):
+        _check_texts(what, given, example)
+    path = None if record is None else file_path(record)
     gate = Gate(host, token_for(host, token), tuple(origins))
     session = Session(scene, body=body, start=start, settings=settings, fps=fps)
-    recorder = None if record is None else Recorder(Path(record), session.simulator)
+    recorder = None if path is None else Recorder(path, session.simulator)
     return LiveServer(session, gate, int(port), recorder, listen, forward)
+
+
+def _check_texts(what: str, given: object, example: str) -> None:
+    """Refuse anything but a list or tuple of texts: a text alone is a sequence, of letters."""
+    fine = isinstance(given, list | tuple) and all(isinstance(one, str) for one in given)
+    if not fine:
+        listed = [given] if isinstance(given, str) else [example]
+        raise InputError(f"{what}: found {shown(given)}, expected a list, such as {listed!r}")
 
 
 class LiveServer:

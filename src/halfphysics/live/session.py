@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.validation import shown
 from halfphysics.errors import HalfPhysicsError, InputError
 from halfphysics.live.clock import Clock
 from halfphysics.live.edits import Editor
@@ -26,13 +27,14 @@ from halfphysics.live.mailbox import Mailbox, Refusal
 from halfphysics.live.scheduling import short_slices
 from halfphysics.live.stance import stance
 from halfphysics.motion.pose import Pose
-from halfphysics.settings import Settings
+from halfphysics.simulation.argument_checks import checked_settings, several
 from halfphysics.simulation.simulator import Simulator
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
     from halfphysics.live.schema import Action
     from halfphysics.scene.scene import Scene
+    from halfphysics.settings import Settings
     from halfphysics.simulation.frame import Frame
 
 logger = logging.getLogger(__name__)
@@ -103,7 +105,14 @@ class Session:
         fps: float = 90.0,
         now: Callable[[], float] = time.perf_counter,
     ) -> None:
-        settings = replace(settings or Settings(), blocked="continue")
+        settings = replace(checked_settings(settings), blocked="continue")
+        asked: list[Pose] = [] if start is None else several(start)
+        for pose in asked:
+            if not isinstance(pose, Pose):
+                raise InputError(
+                    f"start: found {shown(pose)}, expected a list of one halfphysics.Pose a person "
+                    "(motion[0] gives one)"
+                )
         self.simulator = Simulator(scene, body=body, settings=settings, fps=fps)
         world = self.simulator.world
         self.people = tuple(person.name for person in world.people)
@@ -112,7 +121,7 @@ class Session:
         ]
         given = [
             _upright(pose, person.body.rest_joints[0])
-            for pose, person in zip(start or (), world.people, strict=False)
+            for pose, person in zip(asked, world.people, strict=False)
         ]
         poses = [*given, *standing[len(given) :]]
         first = self.simulator.reset(poses)

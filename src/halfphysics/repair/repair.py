@@ -162,11 +162,13 @@ def _people(
 ) -> list[tuple[Motion, Body]]:
     """Each person's motion, without what it was adapted to, and body."""
     from halfphysics.body.body import Body
-    from halfphysics.motion.motion import Motion
     from halfphysics.simulation.argument_checks import checked_bodies, checked_motion
 
-    many = isinstance(motion, Iterable) and not isinstance(motion, str | Motion)
-    motions = list(motion) if many else [motion]  # type: ignore[arg-type]
+    motions: list[Any]
+    if isinstance(motion, Iterable) and not isinstance(motion, str):
+        motions = list(motion)
+    else:
+        motions = [motion]
     if not motions:
         raise InputError("motion: found none, expected a Motion, or a list of one a person")
     for one in motions:

@@ -24,10 +24,10 @@ _WIDTH, _HEIGHT = 8.0, 2.1
 MOST = 6
 
 
-def plot(result: Result, what: Sequence[str], ax: Any) -> Any:
+def plot(result: Result, what: str | Sequence[str], ax: Any) -> Any:
     """The work behind `Result.plot`."""
     one = isinstance(what, str) or not isinstance(what, Iterable)
-    names = (what,) if one else tuple(what)
+    names: tuple[Any, ...] = (what,) if one else tuple(what)
     unknown = [name for name in names if not isinstance(name, str) or name not in CHARTS]
     if unknown or not names:
         raise InputError(f"plot: found {shown(what)}, expected some of {', '.join(CHARTS)}")

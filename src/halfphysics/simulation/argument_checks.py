@@ -30,9 +30,7 @@ def several(value: T | Sequence[T]) -> list[T]:
 
 def checked_body(body: Body | None) -> Body:
     """A body; None: the default one. Raises `InputError` for anything else."""
-    if body is not None and not isinstance(body, Body):
-        raise InputError(f"body: found {body!r}, expected a halfphysics.Body")
-    return Body.default() if body is None else body
+    return Body.default() if body is None else _body(body)
 
 
 def checked_bodies(body: Body | Sequence[Body] | None) -> list[Body]:
@@ -41,14 +39,16 @@ def checked_bodies(body: Body | Sequence[Body] | None) -> list[Body]:
     Raises:
         InputError: One of them is no body.
     """
-    bodies = several(Body.default() if body is None else body)
-    for one in bodies:
-        if not isinstance(one, Body):
-            raise InputError(
-                f"body: found {shown(one)}, expected a halfphysics.Body"
-                + way_to(one, "halfphysics.Body.load")
-            )
-    return bodies
+    return [_body(one) for one in several(Body.default() if body is None else body)]
+
+
+def _body(value: Body) -> Body:
+    if not isinstance(value, Body):
+        raise InputError(
+            f"body: found {shown(value)}, expected a halfphysics.Body"
+            + way_to(value, "halfphysics.Body.load")
+        )
+    return value
 
 
 def check_person_index(what: str, person: int | None, people: int) -> None:

@@ -147,6 +147,9 @@ def test_frames_and_indices_choose(licensed: Body) -> None:
     for frames in (12, [0, 12], [[0, 1]], "first", 1.5):
         with pytest.raises(InputError, match="frames"):
             licensed.vertices(motion, frames=frames)  # type: ignore[arg-type]
+    for indices in ([[0], [0, 1]], ["crown"], 0.5):
+        with pytest.raises(InputError, match=r"indices: found .*expected whole numbers \(n,\)"):
+            licensed.vertices(motion, indices=indices)  # type: ignore[arg-type]
     with pytest.raises(InputError, match="single pose"):
         licensed.vertices(motion[0], frames=[0])
 

@@ -269,7 +269,10 @@ def test_mistakes(body):
         ({"motion": "clip.npz"}, r"Load it: halfphysics\.Motion\.load\('clip\.npz'\)"),
         ({"scene": "room.yaml"}, r"Load it: halfphysics\.Scene\.load\('room\.yaml'\)"),
         ({"body": Path("SMPLX.npz")}, r"Load it: halfphysics\.Body\.load\(.*SMPLX\.npz"),
-        ({"settings": {"stiffness": 2.0}}, r"such as Settings\(\*\*\{'stiffness': 2\.0\}\)"),
+        (
+            {"settings": {"stiffness": 2.0}},
+            r"expected halfphysics\.Settings of these",
+        ),
         ({"motion": Sequence(along_x(1.0, 2, 0.0), Scene())}, r"s\.motion, with s\.scene"),
         ({"motion": iter([along_x(1.0, 2, 0.0)])}, "or a list of them"),
         ({"stiffness": np.ones(55)}, r"found shape \(55,\), expected \(2,\) or \(2, 55\)"),

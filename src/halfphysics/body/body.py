@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from halfphysics.base.arrays import array_of, as_array
+from halfphysics.base.arrays import array_of
 from halfphysics.base.copying import ReadOnly
 from halfphysics.base.in_notebook import InNotebook
 from halfphysics.base.validation import real, shown
@@ -273,7 +273,7 @@ class Body(InNotebook, ReadOnly):
             rotations,
             positions,
             quaternions,
-            indices=None if indices is None else as_array(indices),
+            indices=indices,  # type: ignore[arg-type]
             threads=threads,
         )
         return out[0] if single else out

@@ -135,7 +135,10 @@ def checked_indices(indices: Ints, count: int) -> Ints:
     Raises:
         InputError: Not whole numbers from 0 to `count` - 1.
     """
-    array = as_array(indices)
+    try:
+        array = as_array(indices)
+    except (TypeError, ValueError):
+        raise InputError(f"indices: found {shown(indices)}, expected whole numbers (n,)") from None
     if array.size == 0:
         return _NO_SUBSET
     if array.ndim != 1 or array.dtype.kind not in "iu":

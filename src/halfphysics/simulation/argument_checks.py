@@ -71,10 +71,8 @@ def checked_scene(scene: Scene | None) -> Scene:
 def checked_settings(settings: Settings | None) -> Settings:
     """Settings; None: the default ones. Raises `InputError` for anything else."""
     if settings is not None and not isinstance(settings, Settings):
-        fields = f", such as Settings(**{shown(settings)})" if isinstance(settings, Mapping) else ""
-        raise InputError(
-            f"settings: found {shown(settings)}, expected halfphysics.Settings{fields}"
-        )
+        found = f"settings: found {shown(settings)}, expected halfphysics.Settings"
+        raise InputError(f"{found} of these" if isinstance(settings, Mapping) else found)
     return settings or Settings()
 
 

@@ -11,7 +11,7 @@ import pytest
 import halfphysics as hp
 from halfphysics.base import rotations as rot
 from halfphysics.base.axes import axes_of, turned
-from halfphysics.errors import HalfPhysicsWarning, InputError
+from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning, InputError
 from halfphysics.results.result import PersonResult
 from support.command_line import run
 from support.files.wrong_axes import walker
@@ -155,3 +155,78 @@ def test_a_motion_on_top_that_was_changed_is_read_as_it_is(tmp_path, body):
     np.savez(tmp_path / "out.npz", **content)
     found = hp.Motion.load(tmp_path / "out.npz")
     assert np.abs(found.poses.reshape(FRAMES, -1) - content["poses"]).max() < ROUNDING
+
+
+def edited(path, **changes):
+    """The file with other fields; a function makes a field of what it was."""
+    with np.load(path) as file:
+        content = dict(file)
+    for key, change in changes.items():
+        content[key] = change(content[key]) if callable(change) else change
+    np.savez(path, **content)
+
+
+@pytest.mark.parametrize("up", ["z", "y", "-y"])
+def test_a_motion_on_top_that_was_changed_is_upright_whatever_was_simulated(tmp_path, body, up):
+    # Of a file with other axes and no fields of its own: on top it is z up.
+    motion = dataclasses.replace(walker()[:FRAMES], axes=axes_of(up), origin=None)
+    result = saved(tmp_path / "out.npz", body, motion)
+    edited(tmp_path / "out.npz", poses=lambda poses: poses + 1e-3)
+    found = read(tmp_path / "out.npz")
+    turn = rot.multiply(rot.conjugate(rot.exp(result.motion.rotations)), rot.exp(found.rotations))
+    assert np.linalg.norm(rot.log(turn), axis=-1).max() < 3e-3
+
+
+@pytest.mark.parametrize("up", ["z", "y"])
+def test_a_motion_on_top_that_was_moved_is_read_where_it_is(tmp_path, body, up):
+    motion = dataclasses.replace(walker()[:FRAMES], axes=axes_of(up), origin=None)
+    saved(tmp_path / "out.npz", body, motion)
+    before = read(tmp_path / "out.npz").rebased(body).translation
+    edited(tmp_path / "out.npz", trans=lambda trans: trans + 0.25)
+    assert np.abs(read(tmp_path / "out.npz").translation - before - 0.25).max() < ROUNDING
+
+
+def test_a_motion_in_centimetres_that_was_changed_is_in_metres(tmp_path, body):
+    np.savez(tmp_path / "in.npz", **fields(walker(), unit=0.01))
+    motion = read(tmp_path / "in.npz")[:FRAMES]
+    result = saved(tmp_path / "out.npz", body, motion)
+    edited(tmp_path / "out.npz", trans=lambda trans: np.add(trans, [1.0, 0.0, 0.0]))
+    found = read(tmp_path / "out.npz")
+    assert np.abs(found.translation - result.motion.translation - [0.01, 0, 0]).max() < ROUNDING
+
+
+def test_everybody_is_where_they_were_with_any_body(tmp_path):
+    """Of a file with y up, the pelvis at rest of the body is in the places on top."""
+    tall, up = hp.Body.default(stature=1.95), axes_of("y")
+    first = dataclasses.replace(walker()[:FRAMES], axes=up, origin=None)
+    second = first.with_frames(first.translation + 6 * ASIDE, first.rotations)
+    result = saved(tmp_path / "out.npz", tall, first, second)
+    for found, person in zip(
+        hp.load_sequence(tmp_path / "out.npz").motions, result.people, strict=True
+    ):
+        same(found, person.motion)
+
+
+@pytest.mark.parametrize("option", [{"up": "y"}, {"hands": "flat"}])
+def test_what_the_result_says_of_everybody_is_not_asked(pair, option):
+    _, path = pair
+    with pytest.raises(InputError, match=rf"{next(iter(option))}: .*all its people. Leave it out"):
+        hp.load_sequence(path, **option)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"trans": np.array(0.0)}, "trans"),
+        ({"meta/people": lambda p: p.replace('"axes": [[1.0', '"axes": [["x"')}, "axes"),
+    ],
+)
+def test_damaged_results_are_one_message(pair, changes, said):
+    _, path = pair
+    for key, change in changes.items():
+        if callable(change):
+            changes = {key: lambda old, change=change: np.array(change(str(old.reshape(-1)[0])))}
+    edited(path, **changes)
+    for load in (read, hp.load_sequence):
+        with pytest.raises(HalfPhysicsError, match=said):
+            load(path)

@@ -324,16 +324,11 @@ def _with_metadata(path: Path, motion: Motion, reference: Motion) -> tuple[Motio
     """The motions with the metadata of the top-level keys, which must hold the same motion."""
     first = first_person(Npz(path))
     top = load_motion(path, gender=motion.gender, model=motion.model, clip=first)
-    # Fingers are not compared: the top-level ones may be relative to a mean hand.
-    same = len(top) == len(motion) and (
-        np.abs(top.rotations[:, :22] - motion.rotations[:, :22]).max() < SAME
+    same = len(top) == len(motion) and all(
+        np.abs(a - b).max() < SAME
+        for a, b in ((top.translation, motion.translation), (top.rotations, motion.rotations))
     )
-    shift = top.translation - motion.translation if same else np.zeros((1, 3))
-    rebased = same and not np.array_equal(top.axes, motion.axes)
-    if rebased and np.abs(shift - shift[0]).max() < SAME:
-        # The format has another up axis: the top-level motion is `Motion.rebased`, shifted.
-        return motion, reference
-    if not same or np.abs(shift).max() >= SAME:
+    if not same:
         raise InputError(
             "the fields on top ('trans', 'poses') are not the motion under 'meta/': the file was "
             "changed after it was written. Motion.load reads the motion on top"

@@ -34,7 +34,7 @@ def test_every_spelling_is_understood(tmp_path, said):
 def test_none_is_no_gender(tmp_path):
     assert said_gender(Record("f", {})) is said_gender(Record("f", {"gender": None})) is None
     path = write(tmp_path / "a.npz", fields("smplh") | {"gender": np.array(None)})
-    with pytest.warns(HalfPhysicsWarning, match="no field 'gender': taken as neutral"):
+    with pytest.warns(HalfPhysicsWarning, match="no gender in field 'gender': taken as neutral"):
         assert hp.Motion.load(path).gender == "neutral"
 
 

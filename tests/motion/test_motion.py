@@ -287,6 +287,12 @@ def test_smplx_matrices_of_smpl_and_of_one_joint(frames):
     assert not found.rotations[:, 23:].any()
 
 
+def test_one_matrix_for_all_frames_is_no_three_of_axis_angle():
+    turn = rot.rotvec_to_matrix(np.array([[0.3, -0.2, 0.5]]))  # (1, 3, 3)
+    found = Motion.from_smplx(fps=30, global_orient=turn, transl=np.zeros((3, 3)))
+    assert np.abs(found.rotations[:, 0] - [0.3, -0.2, 0.5]).max() < 1e-12
+
+
 def test_smplx_smpl_body_and_mean_hands():
     body = np.zeros((4, 69))
     body[:, 63:] = 1.0  # the rigid hands, which have no joint here

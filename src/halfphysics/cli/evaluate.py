@@ -126,8 +126,12 @@ def _first(path: Path) -> Motion:
     """The motion of the first person of a result, without its body."""
     from halfphysics.base.npz import Npz
     from halfphysics.formats.results.motion_of_result import first_person
+    from halfphysics.formats.results.unfinished import is_unfinished
     from halfphysics.motion.motion import Motion
+    from halfphysics.results.result import Result
 
+    if is_unfinished(path):  # no archive yet
+        return Result.load(path).motion
     return Motion.load(path, clip=first_person(Npz(path)))
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from halfphysics.formats.checked_fields import Record
 
 _SHORT = {"m": "male", "f": "female", "n": "neutral"}
@@ -20,6 +22,9 @@ def said_gender(record: Record, key: str = "gender") -> str | None:
     Raises:
         FileError: The field is no text.
     """
-    if key not in record or record.raw(key) is None:
+    if key not in record:
         return None
-    return gender_named(record.text(key))
+    said = record.raw(key)
+    if isinstance(said, np.ndarray) and said.dtype.hasobject and said.size == 1:
+        said = said.reshape(-1)[0]
+    return None if said is None else gender_named(record.text(key))

@@ -76,7 +76,13 @@ def _found(content: Any) -> dict[str, Mapping[str, Any]]:
         return {}
     people = {str(key): content[key] for key in list(content) if is_params(_entry(content, key))}
     common = {k: content[k] for k in list(content) if people and (k in _COMMON or is_rate(k))}
-    return {name: {**common, **fields} for name, fields in people.items()}
+    return {name: _with(common, fields) for name, fields in people.items()}
+
+
+def _with(common: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+    """Fields of a person, and those beside all people; a rate of its own counts alone."""
+    rated = any(is_rate(key) and own[key] is not None for key in own)
+    return {**{k: v for k, v in common.items() if not (rated and is_rate(k))}, **own}
 
 
 def _entry(content: Mapping[str, Any], key: str) -> Any:

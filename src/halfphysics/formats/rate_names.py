@@ -6,20 +6,27 @@ from collections.abc import Iterable
 
 from halfphysics.formats.checked_fields import Record
 
-#: Without case and what separates words: "mocap_frame_rate", "frameRate", "video-fps".
-_NAMES = frozenset({"fps", "framerate", "mocapfps", "mocapframerate", "videofps"})
+#: Without case and what separates words ("mocap_frame_rate", "frameRate", "video-fps"); of several
+#: in a file the first of these counts: the motion's own before that of the video it is from.
+_NAMES = ("mocapframerate", "mocapfps", "fps", "framerate", "videofps")
 _SEPARATORS = str.maketrans("", "", "_- ")
 
 
 def is_rate(name: object) -> bool:
     """Whether a field of this name is a frame rate."""
-    return isinstance(name, str) and name.lower().translate(_SEPARATORS) in _NAMES
+    return isinstance(name, str) and _bare(name) in _NAMES
 
 
-def rate_key(names: Iterable[object], first: Iterable[str] = ()) -> str | None:
-    """The name of the frame rate among these: one of `first` before others; None: there is none."""
-    found = [str(name) for name in names if is_rate(name)]
-    return next((name for name in (*first, *found) if name in found), None)
+def is_of_video(name: str) -> bool:
+    """Whether a rate of this name may differ from that of the motion."""
+    return _bare(name) == _NAMES[-1]
+
+
+def rate_keys(names: Iterable[object], first: Iterable[str] = ()) -> list[str]:
+    """The names of frame rates among these, the one that counts first; `first`: before others."""
+    found = sorted((str(n) for n in names if is_rate(n)), key=lambda n: _NAMES.index(_bare(n)))
+    before = [name for name in first if name in found]
+    return [*before, *(name for name in found if name not in before)]
 
 
 def said_rate(record: Record, first: Iterable[str] = ()) -> float | None:
@@ -28,6 +35,11 @@ def said_rate(record: Record, first: Iterable[str] = ()) -> float | None:
     Raises:
         FileError: The field is no positive number.
     """
-    there = [key for key in record.fields if is_rate(key) and record.raw(key) is not None]
-    key = rate_key(there, first)
-    return None if key is None else record.number(key, above=0.0)
+    for key in rate_keys(record.fields, first):
+        if record.raw(key) is not None:
+            return record.number(key, above=0.0)
+    return None
+
+
+def _bare(name: str) -> str:
+    return name.lower().translate(_SEPARATORS)

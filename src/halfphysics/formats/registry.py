@@ -10,12 +10,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TypeVar
 
+import numpy as np
+
 from halfphysics.base.reader_warnings import one_warning, warn
 from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import shown
 from halfphysics.errors import FileError, InputError
 from halfphysics.formats import blender, emage, hymotion, plain, smpl_codec
+from halfphysics.formats.amass import fields as amass
 from halfphysics.formats.amass import smpl as amass_smpl
 from halfphysics.formats.amass import smplh as amass_smplh
 from halfphysics.formats.amass import smplx as amass_smplx
@@ -408,10 +411,17 @@ def unknown(source: Source) -> FileError:
 def _like_amass(source: Source) -> str:
     """How to make an AMASS file of fields that are AMASS's but for their name or their container;
     empty for others."""
-    data = source.data if source.npz is None else source.npz
-    names = set(data) if isinstance(data, Mapping) else set()
-    poses = next((name for name in _POSES if name in names), None)
-    if poses is None or "trans" not in names:
+    fields = source.data if source.npz is None else source.npz
+    if not isinstance(fields, Mapping) or "trans" not in fields:
         return ""
+    poses = next((name for name in _POSES if name in fields), None)
+    if poses is None:
+        return ""
+    npz = source.npz
+    shape = np.shape(fields[poses]) if npz is None else npz.header(poses)[0]
+    if amass.row_width(shape) not in amass.COLUMNS:
+        return ""
+    if npz is not None:
+        return f" These are AMASS's fields, but for '{poses}': name it '{_POSES[0]}'."
     named = "" if poses == _POSES[0] else f" with '{poses}' named '{_POSES[0]}'"
     return f" These are AMASS's fields: save them as an .npz (numpy.savez(path, **fields)){named}."

@@ -68,7 +68,10 @@ def _axis_angle(name: str, array: Array, joints: int, frames: int) -> Array:
     joint also (T, 3, 3)."""
     if array.ndim == 4 and array.shape[1] == joints and array.shape[2:] == (3, 3):
         return rot.matrix_to_rotvec(array)
-    if joints == 1 and array.shape == (frames, 3, 3):  # of axis-angle it would be too many frames
+    if joints == 1 and (
+        array.shape == (frames, 3, 3)  # of axis-angle it would be too many frames
+        or (array.shape == (1, 3, 3) and np.allclose(array[0] @ array[0].T, np.eye(3), atol=1e-4))
+    ):
         return rot.matrix_to_rotvec(array[:, None])
     if array.shape[-1:] == (3 * joints,) or array.shape[-2:] == (joints, 3):
         return array.reshape(-1, joints, 3)

@@ -116,7 +116,9 @@ def test_amass_in_a_pickle_or_by_another_name_says_how_to_save_it(tmp_path, name
     with pytest.raises(FileError, match=rf"These are AMASS's fields: save .* \({said}"):
         Motion.load(tmp_path / "a.pkl")
     if name != "poses":
-        with pytest.raises(FileError, match=rf"with '{name}' named 'poses'\. Expected one of"):
+        with pytest.raises(
+            FileError, match=rf"but for '{name}': name it 'poses'\. Expected one of"
+        ):
             Motion.load(write(tmp_path / "a.npz", content | {name: poses}))
 
 
@@ -129,7 +131,9 @@ def test_words_and_numbers_in_python_objects_are_read(tmp_path):
     assert (motion.gender, motion.fps) == (plain.gender, plain.fps)
     assert np.array_equal(motion.betas, plain.betas)
     nothing = {key: np.array(None) for key in keys}
-    with pytest.warns(HalfPhysicsWarning, match=r"no field 'gender'|frame rate: taken as 30"):
+    with pytest.warns(
+        HalfPhysicsWarning, match=r"no gender in field 'gender'|frame rate: taken as 30"
+    ):
         motion = Motion.load(write(tmp_path / "c.npz", content | nothing))
     assert (motion.gender, motion.fps, motion.betas) == ("neutral", 30.0, None)
     ragged = np.array([[0.0], [1.0, 2.0]], dtype=object)

@@ -218,7 +218,7 @@ WRONG = [
     (
         "betas vary",
         changed("betas", lambda a: a + np.arange(12)[:, None]),
-        "betas: the shape changes",
+        "field 'betas': the shape changes",
     ),
     ("pose of text", put("global_orient", "up"), "'global_orient'.*expected"),
 ]

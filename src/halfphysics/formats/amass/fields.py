@@ -31,7 +31,7 @@ from halfphysics.formats.motion_builder import (
     same_length,
     shape_of,
 )
-from halfphysics.formats.rate_names import is_rate, rate_key
+from halfphysics.formats.rate_names import is_of_video, is_rate, rate_keys
 from halfphysics.motion import skeleton
 from halfphysics.motion.file_metadata import FileMetadata
 from halfphysics.motion.motion import GENDERS, MODELS, Motion
@@ -81,7 +81,7 @@ def width_of(source: Source) -> int | None:
         return None
     if "poses" in npz:
         shape, _ = npz.header("poses")
-        width = _width(shape)
+        width = row_width(shape)
         if width in COLUMNS:
             return width
         raise FileError(
@@ -96,7 +96,7 @@ def width_of(source: Source) -> int | None:
     return None
 
 
-def _width(shape: tuple[int, ...]) -> int:
+def row_width(shape: tuple[int, ...]) -> int:
     """Numbers in a row of rotations (T, 3 joints) or (T, joints, 3); 0: it is neither."""
     if len(shape) == 3 and shape[2] == 3:
         return 3 * shape[1]
@@ -154,10 +154,13 @@ def _rotations(npz: Npz, width: int, frames: slice) -> tuple[Array, Array | None
 
 def _fps(npz: Npz, options: Options, usual: float | None) -> tuple[float, str]:
     """The frame rate, and its key; `usual` is that of the format where the file has none."""
-    key = rate_key((key for key in npz if "/" not in key), FPS_KEYS)
-    value = None if key is None or options.fps is not None else _small(npz, key)
-    if key is None or value is None:
-        return rate_of(str(npz.path), options, usual), key or FPS_KEYS[0]
+    keys = rate_keys((key for key in npz if "/" not in key), FPS_KEYS)
+    if options.fps is not None:
+        return options.fps, keys[0] if keys else FPS_KEYS[0]
+    said = ((key, _small(npz, key)) for key in keys)
+    key, value = next(((k, v) for k, v in said if v is not None), (FPS_KEYS[0], None))
+    if value is None:
+        return rate_of(str(npz.path), options, usual), keys[0] if keys else key
     if value.size != 1 or value.dtype.kind not in "fiu" or not 0.0 < float(value.flat[0]) < 1e6:
         raise FileError(
             f"{npz.path}: field '{key}': found {value.tolist()!r}, expected a positive number of "
@@ -215,7 +218,8 @@ def _gender(npz: Npz, options: Options) -> str:
         return options.gender
     said = _small(npz, "gender")
     if said is None:
-        warn(f"{npz.path}: no field 'gender': taken as neutral. Say it with gender=")
+        found = "no gender in field" if "gender" in npz else "no field"
+        warn(f"{npz.path}: {found} 'gender': taken as neutral. Say it with gender=")
         return "neutral"
     gender = gender_named(_text(said))
     if gender not in GENDERS:
@@ -284,7 +288,7 @@ def load(
     if value is not None:
         betas = shape_of(where, value, frames)
         betas_shape = value.shape
-    metadata = _file_metadata(npz, format, options.frames, len(trans), rigid)
+    metadata = _file_metadata(npz, format, options.frames, fps_key, rigid)
     own = {"width": width, "fps_key": fps_key, "betas_shape": betas_shape}
     return made(
         where,
@@ -306,7 +310,7 @@ def load(
 
 
 def _file_metadata(
-    npz: Npz, format: str, frames: slice, count: int, rigid: Array | None
+    npz: Npz, format: str, frames: slice, fps_key: str, rigid: Array | None
 ) -> FileMetadata:
     """All fields besides the motion, without pickled ones and the parts of result files (keys with
     a slash)."""
@@ -322,7 +326,7 @@ def _file_metadata(
         dtypes[key] = dtype
         if key in ("poses", *SPLIT) and len(shape) == 3:
             apart.append(key)
-        if key in _WORDS or is_rate(key):
+        if key in _WORDS or key == fps_key:
             value = _small(npz, key)
             if value is not None:
                 constants[key] = value
@@ -378,14 +382,18 @@ def encode(motion: Motion, format: str, width: int, fps_key: str) -> Fields:
     out[fps_key] = np.array(motion.fps)
     out["mocap_time_length"] = np.array(frames / motion.fps)
     if own:
-        old = constants.get(fps_key)
-        if frames == said["total"] and old is not None and float(old.flat[0]) == motion.fps:
+        same_rate = _is_number(constants.get(fps_key), motion.fps)
+        if frames == said["total"] and same_rate:
             for key in ("mocap_time_length", fps_key):
                 out[key] = constants.get(key, out[key])
         keys = {*said["keys"], "betas", "gender", fps_key}
         out = {key: value for key, value in out.items() if key in keys}
         out |= {k: v for k, v in own.per_frame.items() if not k.startswith("_")}
-        out |= {k: v for k, v in constants.items() if k not in _KNOWN and not is_rate(k)}
+        out |= {
+            k: v
+            for k, v in constants.items()
+            if k not in {*_KNOWN, fps_key} and (same_rate or is_of_video(k) or not is_rate(k))
+        }
         order = [k for k in said["keys"] if k in out]
         out = {key: out[key] for key in (*order, *(k for k in out if k not in order))}
         out = {key: _exact(value, said["dtypes"].get(key)) for key, value in out.items()}
@@ -397,6 +405,16 @@ def encode(motion: Motion, format: str, width: int, fps_key: str) -> Fields:
     if rotations[:, lost].any():
         out[FULL_KEY] = rotations.reshape(frames, -1)
     return out
+
+
+def _is_number(raw: NDArray[Any] | None, number: float) -> bool:
+    """Whether a field is this one number."""
+    return (
+        raw is not None
+        and raw.size == 1
+        and raw.dtype.kind in "fiu"
+        and float(raw.flat[0]) == number
+    )
 
 
 def _same(raw: NDArray[Any] | None, text: str) -> NDArray[Any]:

@@ -70,9 +70,12 @@ def _load(source: Source, options: Options) -> Motion:
     frames = same_length(record.where, lengths)
     said = said_rate(record)
     if options.hands is None:
+        rate = "" if said else "no frame rate, and "
+        taken = "" if said else f"{options.fps or FPS:g} fps and "
+        ways = "hands=" if said else "fps=, hands="
         warn(
-            f"{source.path}: Inter-X says no frame rate, and not what zero fingers mean: "
-            f"{options.fps or said or FPS:g} fps and a flat hand are taken (fps=, hands=)"
+            f"{source.path}: Inter-X says {rate}not what zero fingers mean: "
+            f"{taken}a flat hand are taken ({ways})"
         )
     return motion_of(
         record.where,

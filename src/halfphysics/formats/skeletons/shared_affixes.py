@@ -13,6 +13,8 @@ from collections.abc import Sequence
 _MOST = 0.75
 _NUMBER = re.compile(r"[._ -]\d{1,5}$")
 _END_OF_PREFIX = re.compile(r"[:|._ -]")
+# A prefix has at most this many letters: names from strangers may have any length.
+_LONGEST = 64
 
 
 def without_affixes(names: Sequence[str]) -> list[str]:
@@ -24,7 +26,7 @@ def without_affixes(names: Sequence[str]) -> list[str]:
     prefixes = Counter(
         name[: match.end()]
         for name in bare
-        for match in _END_OF_PREFIX.finditer(name)
+        for match in _END_OF_PREFIX.finditer(name, 0, _LONGEST)
         if match.end() < len(name)
     )
     shared = [prefix for prefix, count in prefixes.items() if count >= enough]

@@ -68,6 +68,14 @@ def test_policies_that_give_no_actions_have_no_score(actions, words):
         score("HandOver", lambda seen: actions(len(seen)), episodes=2, worlds=2)
 
 
+def test_numpys_whole_numbers_are_counts():
+    policy, two = policies.scripted("HandOver"), np.int64(2)
+    numbers = {"episodes": two, "seed": 0, "worlds": np.int32(1), "threads": np.uint8(1)}
+    found = score("HandOver", policy, **numbers)
+    assert found == score("HandOver", policy, episodes=2, seed=0, worlds=1)
+    assert type(found.episodes) is int
+
+
 @pytest.mark.parametrize("seed", [-1, 1.5, "one", None, True])
 def test_impossible_seeds(seed):
     with pytest.raises(InputError, match="seed: found"):

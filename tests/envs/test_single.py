@@ -111,6 +111,8 @@ def test_an_episode_ends_at_its_longest():
     ("options", "words"),
     [
         ({"render_mode": "human"}, "render_mode: found 'human'"),
+        ({"render_mode": np.array(["rgb_array", None])}, r"render_mode: found array\("),
+        ({"render_mode": ["rgb_array"]}, r"render_mode: found \['rgb_array'\]"),
         ({"task": "HandOvr"}, "'HandOver'"),
         ({"steps": 0}, "steps: found 0"),
     ],
@@ -120,6 +122,19 @@ def test_impossible_arguments(options, words):
 
     with pytest.raises(InputError, match=words):
         SingleEnv(**({"task": "HandOver"} | options))
+
+
+def test_numpys_whole_numbers_are_sizes_and_steps():
+    env = gymnasium.make(
+        "halfphysics/HandOver-v0",
+        steps=np.int64(1),
+        size=(np.int32(32), np.uint8(24)),
+        render_mode="rgb_array",
+    ).unwrapped
+    assert (env.size, type(env.size[0]), type(env.task.steps)) == ((32, 24), int, int)
+    env.reset(seed=0)
+    assert env.step(np.array([0.0, 0.0, 0.0, -1.0]))[3]
+    assert env.render().shape == (24, 32, 3)
 
 
 @pytest.mark.parametrize("action", [[0.0], "left", [0.0, 0.0, np.nan, 0.0], None])

@@ -23,7 +23,12 @@ def test_a_name_that_is_not_there():
 
 @pytest.mark.parametrize(
     ("given", "words"),
-    [({"count": 0}, "num_envs: found 0"), ({"threads": 0}, "threads"), ({"steps": 1.5}, "steps")],
+    [
+        ({"count": 0}, "num_envs: found 0"),
+        ({"count": None}, "num_envs: found None"),
+        ({"threads": 0}, "threads"),
+        ({"steps": 1.5}, "steps"),
+    ],
 )
 def test_impossible_numbers(given, words):
     with pytest.raises(InputError, match=words):

@@ -144,6 +144,11 @@ def test_modes_have_the_names_that_the_document_has(mode):
     assert many.metadata["autoreset_mode"].value == mode
 
 
+def test_numpys_whole_numbers_are_numbers_of_environments_and_threads():
+    env = gymnasium.make_vec("halfphysics/HandOver-v0", np.int64(2), threads=np.int32(1))
+    assert (env.num_envs, type(env.num_envs), env.reset(seed=0)[0].shape[0]) == (2, int, 2)
+
+
 def test_mistakes():
     make = gymnasium.make_vec
     with pytest.raises(InputError, match="num_envs: found 0"):
@@ -160,8 +165,9 @@ def test_mistakes():
     for seed in (np.int64(3), np.array([3, 4])):
         np.testing.assert_array_equal(env.reset(seed=seed)[0], first)
     env = make("halfphysics/HandOver-v0", 2, threads=1)
-    with pytest.raises(InputError, match="reset_mask"):
-        env.reset(options={"reset_mask": np.array([1, 0])})
+    for mask in (np.array([1, 0]), [[1], [1, 2]], None, [True]):
+        with pytest.raises(InputError, match=r"reset_mask: found .*expected 2 times"):
+            env.reset(options={"reset_mask": mask})
     with pytest.raises(InputError, match="'reset_mask' only"):
         env.reset(options={"mode": 1})
     with pytest.raises(InputError, match="options: found 5, expected a dict"):

@@ -25,7 +25,7 @@ MOST = 4096
 def checked_size(size: Any) -> tuple[int, int]:
     """Width and height of pictures [pixels]. Raises `InputError` for an impossible size."""
     fine = isinstance(size, tuple | list) and len(size) == 2
-    if not (fine and all(is_whole(s, least=1) and s <= MOST for s in size)):
+    if not (fine and all(is_whole(s, least=1, plain=False) and s <= MOST for s in size)):
         raise InputError(f"size: found {shown(size)}, expected two whole numbers from 1 to {MOST}")
     return int(size[0]), int(size[1])
 

@@ -100,9 +100,9 @@ def score(
             that are not finite.
     """
     for name, value in (("episodes", episodes), ("worlds", worlds)):
-        if not is_whole(value, least=1):
+        if not is_whole(value, least=1, plain=False):
             raise InputError(f"{name}: found {shown(value)}, expected a whole number from 1 on")
-    seed, count = checked_seed(seed), min(worlds, episodes)
+    seed, episodes, count = checked_seed(seed), int(episodes), int(min(worlds, episodes))
     run = task_class(task)(count, threads=threads)
     which = np.arange(count)
     sums, lengths, won = np.zeros(episodes), np.zeros(episodes), np.zeros(episodes)

@@ -96,6 +96,8 @@ class SingleEnv(_Env):  # type: ignore[misc]
 
 def checked_render_mode(mode: Any) -> str | None:
     """Raises `InputError` for a mode that there is not."""
-    if mode is not None and mode not in RENDER_MODES:
+    if mode is None:
+        return None
+    if not isinstance(mode, str) or mode not in RENDER_MODES:
         raise InputError(f"render_mode: found {shown(mode)}, expected 'rgb_array' or None")
-    return None if mode is None else str(mode)
+    return str(mode)

@@ -48,6 +48,7 @@ class StableVecEnv(_VecEnv):  # type: ignore[misc]
     ) -> None:
         count = cores() if threads is None else threads
         self.task = task_class(task)(num_envs, threads=count, steps=steps)
+        num_envs = self.task.count
         self.render_mode = "rgb_array"
         self._sums = np.zeros(num_envs)
         super().__init__(num_envs, self.task.observed.space(), self.task.actions.space())

@@ -99,12 +99,17 @@ class Task(ABC):
     rewards: ClassVar[Mapping[str, str]]
 
     def __init__(self, count: int, *, threads: int = 1, steps: int | None = None) -> None:
+        steps = type(self).steps if steps is None else steps
         for name, value in (("num_envs", count), ("threads", threads), ("steps", steps)):
-            if value is not None and not is_whole(value, least=1):
+            if not is_whole(value, least=1, plain=False):
                 raise InputError(f"{name}: found {shown(value)}, expected a whole number from 1 on")
-        self.count, self.steps = int(count), int(steps or type(self).steps)
+        self.count, self.steps = int(count), int(steps)
         self.worlds = Worlds(
-            self.plan(), self.count, dt=1.0 / self.fps, settings=self.settings(), threads=threads
+            self.plan(),
+            self.count,
+            dt=1.0 / self.fps,
+            settings=self.settings(),
+            threads=int(threads),
         )
         self._episodes = Counts(np.zeros(self.count, dtype=np.int64))
         self._chance = [np.random.default_rng(i) for i in range(self.count)]

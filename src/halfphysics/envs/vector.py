@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.arrays import as_array
 from halfphysics.base.machine import cores
 from halfphysics.base.optional_package import optional
 from halfphysics.base.validation import is_whole, shown
@@ -69,9 +70,10 @@ class VectorEnv(_Env):  # type: ignore[misc]
                 f"autoreset_mode: found {shown(autoreset_mode)}, expected one of {modes}"
             ) from None
         self.metadata = {**type(self).metadata, "autoreset_mode": self._mode}
-        self.num_envs, self.size = num_envs, checked_size(size)
+        self.size = checked_size(size)
         count = cores() if threads is None else threads
         self.task = task_class(task)(num_envs, threads=count, steps=steps)
+        self.num_envs = num_envs = self.task.count
         self.single_observation_space = self.task.observed.space()
         self.single_action_space = self.task.actions.space()
         self.observation_space = _utils.batch_space(self.single_observation_space, num_envs)
@@ -158,12 +160,16 @@ class VectorEnv(_Env):  # type: ignore[misc]
         if not isinstance(options, Mapping | None):
             raise InputError(f"reset: options: found {shown(options)}, expected a dict or None")
         given = dict(options or {})
-        mask = np.asarray(given.pop("reset_mask", np.ones(self.num_envs, dtype=bool)))
+        found = given.pop("reset_mask", np.ones(self.num_envs, dtype=bool))
         if given:
             raise InputError(f"reset: options: found {shown(given)}, expected 'reset_mask' only")
+        try:
+            mask = as_array(found)
+        except (TypeError, ValueError):
+            mask = np.zeros(0)
         if mask.shape != (self.num_envs,) or mask.dtype != np.bool_:
             raise InputError(
-                f"reset_mask: found {shown(mask)}, expected {self.num_envs} times True or False"
+                f"reset_mask: found {shown(found)}, expected {self.num_envs} times True or False"
             )
         return mask
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
@@ -16,15 +17,19 @@ from halfphysics.settings import Settings
 
 
 def test_numbers_of_any_kind() -> None:
-    for value in (3, 3.0, np.float32(3), np.int64(3), np.array(3.0)):
+    for value in (3, 3.0, np.float32(3), np.int64(3), np.array(3.0), Decimal(3)):
         assert number(value, "x", above=0.0) == 3.0
     assert number(0, "x", least=0.0) == 0.0
     assert number(1, "x", least=0.0, most=1.0) == 1.0
 
 
 @pytest.mark.parametrize(
-    "value", [None, "3", True, np.True_, 1j, [3.0], np.nan, np.inf, 10**400, 0.0, -1]
-)
+    "value",
+    [
+        None, "3", True, np.True_, 1j, [3.0], np.nan, np.inf, 10**400, 0.0, -1,
+        Decimal("NaN"), Decimal("sNaN"), Decimal("Infinity"),
+    ],
+)  # fmt: skip
 def test_not_a_positive_number(value: Any) -> None:
     with pytest.raises(InputError, match=r"ball: mass: expected a number above 0 \[kg\], found"):
         number(value, "ball: mass", above=0.0, unit="kg")
@@ -70,10 +75,11 @@ def test_paths() -> None:
 
 
 def test_frame_rates() -> None:
-    assert frame_rate(np.float32(30)) == 30.0
+    for value in (np.float32(30), np.array(30), Decimal("30")):
+        assert frame_rate(value) == 30.0
     assert frame_rate(60.0, most=60.0) == 60.0
     with pytest.raises(InputError, match=r"^fps: found 61, expected at most 60 frames per second"):
         frame_rate(61.0, most=60.0)
-    for value in (None, "fast", 0, -1.0, np.inf, np.nan, 10**400):
+    for value in (None, "fast", "30", b"30", True, [30.0], 0, -1.0, np.inf, np.nan, 10**400):
         with pytest.raises(InputError, match=r"fps: found .*positive number, such as 60\.0"):
             frame_rate(value, "60.0")

@@ -74,6 +74,7 @@ def test_poses_columns_are_accepted():
         ({"fps": "fast"}, "fps: found 'fast'"),
         ({"fps": None}, "fps: found None"),
         ({"fps": True}, "fps: found True"),
+        ({"fps": "30"}, "fps: found '30', expected a positive number"),
         ({"betas": np.zeros((3, 10))}, r"betas: found shape \(3, 10\), expected a vector"),
         ({"gender": "other"}, "gender: found 'other', expected one of neutral, male, female"),
         ({"model": "star"}, "model: found 'star', expected one of smplx, smplh, smpl"),

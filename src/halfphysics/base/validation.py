@@ -9,6 +9,7 @@ import errno
 import math
 import numbers
 import os
+from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
@@ -53,12 +54,12 @@ def real(value: object, *, plain: bool = False) -> float | None:
     """`value` as a float: inf if it is too large for one, None if it is not a real number.
 
     A bool is not a number. With `plain` only Python's own int and float are, which every file
-    format can hold; otherwise also numpy's numbers and arrays and tensors of no
-    dimension.
+    format can hold; otherwise also numpy's numbers, arrays and tensors of no dimension, and
+    decimal numbers.
     """
     if not plain:
         value = scalar_of(value)
-    if isinstance(value, bool | np.bool_) or not isinstance(value, numbers.Real):
+    if isinstance(value, bool | np.bool_) or not isinstance(value, numbers.Real | Decimal):
         return None
     if plain and not isinstance(value, int | float):
         return None
@@ -66,6 +67,8 @@ def real(value: object, *, plain: bool = False) -> float | None:
         return float(value)
     except OverflowError:  # a whole number of 309 digits
         return -math.inf if value < 0 else math.inf
+    except ValueError:  # a decimal that signals that it is none
+        return None
 
 
 def within(
@@ -126,12 +129,8 @@ def quaternion(value: object, what: str) -> NDArray[np.float64]:
 
 def frame_rate(value: object, example: str = "30.0", *, most: float | None = None) -> float:
     """`value` as frames per second, `most` at most."""
-    value = scalar_of(value)
-    try:
-        fps = np.nan if isinstance(value, bool | np.bool_) else float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError, OverflowError):
-        fps = np.nan
-    if not (np.isfinite(fps) and fps > 0.0):
+    fps = real(value)
+    if fps is None or not within(fps, above=0.0):
         raise InputError(
             f"fps: found {shown(value)}, expected a positive number, such as {example}"
         )

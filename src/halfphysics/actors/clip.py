@@ -29,7 +29,7 @@ from halfphysics.errors import InputError
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.pose import Pose
 from halfphysics.motion.skeleton import MIRRORED
-from halfphysics.simulation.argument_checks import checked_body
+from halfphysics.results.argument_checks import checked_body
 
 if TYPE_CHECKING:
     from halfphysics.actors.seen import Seen

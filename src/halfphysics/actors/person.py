@@ -24,7 +24,7 @@ from halfphysics.actors.walker import Walker
 from halfphysics.actors.way import Way
 from halfphysics.base.validation import is_whole, number, shown, vector
 from halfphysics.errors import InputError
-from halfphysics.simulation.argument_checks import checked_body, checked_scene
+from halfphysics.results.argument_checks import checked_body, checked_scene
 
 if TYPE_CHECKING:
     from halfphysics.actors.goals import Goal, Task

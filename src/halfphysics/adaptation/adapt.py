@@ -110,11 +110,16 @@ def adapt(
             something of another kind.
     """
     from halfphysics.body.body import Body
-    from halfphysics.settings import Settings
+    from halfphysics.results.argument_checks import (
+        checked_body,
+        checked_motion,
+        checked_settings,
+        given_scene,
+    )
 
-    _check(motion, scene, body, recorded, settings, others)
-    body = Body.default() if body is None else body
-    settings = Settings() if settings is None else settings
+    motion, scene = checked_motion(motion), given_scene(scene)
+    body, settings = checked_body(body), checked_settings(settings)
+    _check(recorded, others)
     motion = motion if motion.recorded is None else motion.recorded
     for number, (other, _) in enumerate(others):
         if len(other) != len(motion):
@@ -147,36 +152,25 @@ def adapt(
     return Adaptation(replace(out, holds=tuple(holds), recorded=motion))
 
 
-def _check(
-    motion: object,
-    scene: object,
-    body: object,
-    recorded: object,
-    settings: object,
-    others: object,
-) -> None:
-    """Refuse arguments of `adapt` of another kind."""
+def _check(recorded: object, others: object) -> None:
+    """Refuse tracks and other people of another kind."""
     from halfphysics.body.body import Body
     from halfphysics.motion.motion import Motion
-    from halfphysics.scene.scene import Scene
-    from halfphysics.settings import Settings
 
     def is_person(value: object) -> bool:
         if not isinstance(value, list | tuple) or len(value) != 2:
             return False
         return isinstance(value[0], Motion) and isinstance(value[1], Body | None)
 
-    several = isinstance(others, list | tuple) and all(map(is_person, others))
-    for what, value, fine, expected in (
-        ("motion", motion, isinstance(motion, Motion), "a halfphysics.Motion"),
-        ("scene", scene, isinstance(scene, Scene), "a halfphysics.Scene"),
-        ("body", body, isinstance(body, Body | None), "a halfphysics.Body or None"),
-        ("recorded", recorded, isinstance(recorded, Mapping | None), "object names and tracks"),
-        ("settings", settings, isinstance(settings, Settings | None), "halfphysics.Settings"),
-        ("others", others, several, "a list of motions with bodies: [(motion, body)]"),
-    ):
-        if not fine:
-            raise InputError(f"adapt: {what}: found {shown(value)}, expected {expected}")
+    if not isinstance(recorded, Mapping | None):
+        raise InputError(
+            f"adapt: recorded: found {shown(recorded)}, expected object names and tracks"
+        )
+    if not isinstance(others, list | tuple) or not all(map(is_person, others)):
+        raise InputError(
+            f"adapt: others: found {shown(others)}, expected a list of motions with bodies: "
+            "[(motion, body)]"
+        )
 
 
 @dataclass(frozen=True, eq=False)

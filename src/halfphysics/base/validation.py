@@ -9,15 +9,18 @@ import errno
 import math
 import numbers
 import os
+from collections.abc import Sequence
 from decimal import Decimal
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.arrays import as_array, scalar_of
 from halfphysics.errors import FileError, InputError
+
+T = TypeVar("T")
 
 #: Errors of the system for a path at which there is no file.
 _NOT_THERE = (errno.ENOENT, errno.ENOTDIR, errno.ELOOP)
@@ -161,6 +164,11 @@ def file_path(value: object) -> Path:
     if path.is_dir() and not os.access(path, os.R_OK | os.X_OK):
         raise FileError(f"{path}: cannot read this folder: Permission denied")
     return path
+
+
+def several(value: T | Sequence[T]) -> list[T]:
+    """One value, or a list or tuple of them, as a list."""
+    return list(value) if isinstance(value, list | tuple) else [cast(T, value)]
 
 
 def body(value: Any, method: str) -> Any:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.base.validation import shown
+from halfphysics.base.validation import several, shown
 from halfphysics.errors import HalfPhysicsError, InputError
 from halfphysics.live.clock import Clock
 from halfphysics.live.edits import Editor
@@ -27,7 +27,7 @@ from halfphysics.live.mailbox import Mailbox, Refusal
 from halfphysics.live.scheduling import short_slices
 from halfphysics.live.stance import stance
 from halfphysics.motion.pose import Pose
-from halfphysics.simulation.argument_checks import checked_settings, several
+from halfphysics.results.argument_checks import checked_settings
 from halfphysics.simulation.simulator import Simulator
 
 if TYPE_CHECKING:

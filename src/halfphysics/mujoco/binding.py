@@ -6,12 +6,12 @@ import warnings
 from collections.abc import Sequence
 from typing import Any
 
+from halfphysics.base.validation import several
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.mujoco.attach import Human
 from halfphysics.mujoco.control import Control
 from halfphysics.settings import Settings
-from halfphysics.simulation.argument_checks import several
 
 #: Longest step for which the drive is accurate [s] (docs/physics.md, "The drive").
 LONGEST_STEP = 1.0 / 240.0

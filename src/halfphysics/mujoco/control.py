@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base.copying import Bound
 from halfphysics.base.short_repr import counted
-from halfphysics.base.validation import real
+from halfphysics.base.validation import real, several
 from halfphysics.errors import InputError
 from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.motion.pose import Pose
@@ -28,7 +28,7 @@ from halfphysics.mujoco.contact_data import PersonContacts, person_contacts
 from halfphysics.mujoco.host_masses import HostMasses, hangs_on_people
 from halfphysics.mujoco.host_model import host_model
 from halfphysics.mujoco.sensors import SensorFeed
-from halfphysics.simulation.argument_checks import check_person_index, several
+from halfphysics.simulation.argument_checks import check_person_index
 from halfphysics.simulation.coordinates import joints_from_core, joints_to_core
 from halfphysics.simulation.core_rows import ContactRows, contact_rows
 from halfphysics.simulation.start_warnings import warn_of_hosted_start

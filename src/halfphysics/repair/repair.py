@@ -120,8 +120,8 @@ def fix(
             `simulate` raises.
     """
     from halfphysics.geometry.shapes import Plane
+    from halfphysics.results.argument_checks import checked_scene, checked_settings
     from halfphysics.scene.scene import Scene
-    from halfphysics.simulation.argument_checks import checked_scene, checked_settings
     from halfphysics.simulation.simulate import simulate
 
     people = _people(motion, body)
@@ -162,7 +162,7 @@ def _people(
 ) -> list[tuple[Motion, Body]]:
     """Each person's motion, without what it was adapted to, and body."""
     from halfphysics.body.body import Body
-    from halfphysics.simulation.argument_checks import checked_bodies, checked_motion
+    from halfphysics.results.argument_checks import checked_bodies, checked_motion
 
     motions: list[Any]
     if isinstance(motion, Iterable) and not isinstance(motion, str):

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.errors import InputError
+from halfphysics.results.argument_checks import checked_bodies, checked_scene, checked_settings
 from halfphysics.scene.articulated import SIZES
 from halfphysics.scene.trajectories import KinematicObject
-from halfphysics.simulation.argument_checks import checked_bodies, checked_scene, checked_settings
 from halfphysics.simulation.build_world import build_world
 from halfphysics.simulation.call_recorder import CallRecorder
 from halfphysics.simulation.coordinates import FreeObject

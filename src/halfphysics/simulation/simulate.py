@@ -13,11 +13,8 @@ from halfphysics.base import progress as bars
 from halfphysics.base.short_repr import counted
 from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.motion.joint_groups import stiffness_of_motions, stiffness_over_time
-from halfphysics.simulation.argument_checks import (
-    checked_people,
-    checked_scene,
-    checked_settings,
-)
+from halfphysics.results.argument_checks import checked_scene, checked_settings
+from halfphysics.simulation.argument_checks import checked_people
 from halfphysics.simulation.build_world import build_world
 from halfphysics.simulation.lost_time import warn_of_lost_time
 from halfphysics.simulation.recorded_result import recorded_result

@@ -17,7 +17,8 @@ from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.base.validation import is_whole, shown
 from halfphysics.errors import HalfPhysicsError, InputError
 from halfphysics.motion.joint_groups import stiffness_of_motions, stiffness_over_time
-from halfphysics.simulation.argument_checks import checked_people, checked_scene, checked_settings
+from halfphysics.results.argument_checks import checked_scene, checked_settings
+from halfphysics.simulation.argument_checks import checked_people
 from halfphysics.simulation.build_world import build_world
 from halfphysics.simulation.jobs import Job, jobs_of
 from halfphysics.simulation.lost_time import warn_of_lost_time

@@ -15,20 +15,15 @@ from halfphysics.base.atomic import atomic_path
 from halfphysics.base.in_notebook import InNotebook
 from halfphysics.base.short_repr import counted
 from halfphysics.base.stopwatch import Stopwatch
-from halfphysics.base.validation import real, shown, within
+from halfphysics.base.validation import real, several, shown, within
 from halfphysics.errors import InputError
 from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.motion.pose import Pose
+from halfphysics.results.argument_checks import checked_bodies, checked_scene, checked_settings
 from halfphysics.results.moment import Figure, Moment, at_start, standing_still, tracks
 from halfphysics.results.overview import scene_lines
 from halfphysics.simulation import holding, live_edits
-from halfphysics.simulation.argument_checks import (
-    check_person_index,
-    checked_bodies,
-    checked_scene,
-    checked_settings,
-    several,
-)
+from halfphysics.simulation.argument_checks import check_person_index
 from halfphysics.simulation.build_world import build_world
 from halfphysics.simulation.compile_world import compiled_again
 from halfphysics.simulation.frame import Frame, State

@@ -8,10 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.base import validation
 from halfphysics.base.stopwatch import Stopwatch
-from halfphysics.base.validation import number, shown
-from halfphysics.errors import InputError
+from halfphysics.base.validation import number
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.results.contacts import Contacts
 from halfphysics.results.surroundings import Surroundings
@@ -67,17 +65,10 @@ def estimate(
         InputError: No motion, scene or body, or an impossible cut-off.
         MismatchError: Motion and body belong to different models.
     """
-    from halfphysics.body.body import Body
     from halfphysics.body.match import check_match
-    from halfphysics.motion.motion import Motion
-    from halfphysics.scene.scene import Scene
+    from halfphysics.results.argument_checks import checked_body, checked_motion, given_scene
 
-    for name, value, kind in (("motion", motion, Motion), ("scene", scene, Scene)):
-        if not isinstance(value, kind):
-            raise InputError(
-                f"support: {name}: found {shown(value)}, expected a halfphysics.{kind.__name__}"
-            )
-    body = Body.default() if body is None else validation.body(body, "vertices")
+    motion, scene, body = checked_motion(motion), given_scene(scene), checked_body(body)
     check_match(motion, body)
     names = (*scene.statics, *scene.objects, *_links(scene), "person")
     tracks = {name: _start(scene, name) for name in _links(scene)}

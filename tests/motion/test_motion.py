@@ -13,6 +13,7 @@ from halfphysics.base import rotations as rot
 from halfphysics.body.body import Body
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.motion.motion import Motion, Pose
+from halfphysics.motion.resampling import sample_positions
 
 # Rounding of a rotation through quaternions and back.
 ROUNDING = 1e-12
@@ -121,13 +122,15 @@ def test_indexing():
     assert len(list(motion)) == 20
 
 
-@pytest.mark.parametrize("wrong", [1.5, "3", None, [0, 1], np.arange(3)])
+@pytest.mark.parametrize("wrong", [1.5, "3", None, [0, 1], np.arange(3), True, np.True_])
 def test_frames_are_whole_numbers(wrong):
     with pytest.raises(InputError, match=r"motion\[...\]: found .* t \* fps"):
         random_motion()[wrong]
 
 
-@pytest.mark.parametrize("wrong", [slice(0.5, 2.0), slice("a", None), slice(0, 5, 0)])
+@pytest.mark.parametrize(
+    "wrong", [slice(0.5, 2.0), slice("a", None), slice(0, 5, 0), slice(False, 5)]
+)
 def test_slices_are_of_whole_frames(wrong):
     with pytest.raises(InputError, match=r"found slice\(.*expected whole frames and a step"):
         random_motion()[wrong]
@@ -215,6 +218,18 @@ def test_rates_of_television_lose_no_frame(said, rate, part):
     assert np.abs(again.translation - motion.translation[::part]).max() < 125 * 2e-6 * step
     for other in (0.998 * rate, 1.003 * rate):
         assert motion.resample(other).duration <= motion.duration + 1e-9
+
+
+@pytest.mark.parametrize(("fps", "new_fps"), [(30.0, 29.97), (29.97, 30.0), (24.0, 30.0)])
+def test_no_sample_of_another_rate_is_after_the_last_frame(fps, new_fps):
+    """Of long clips too: every sample is at its time, and none that the clip has is left out."""
+    for frames in range(10_000, 11_002):
+        position = sample_positions(frames, fps, new_fps)
+        # A sample 1e-6 frames after the last frame is that frame.
+        np.testing.assert_allclose(
+            position[-2:], np.arange(len(position))[-2:] * fps / new_fps, rtol=0.0, atol=1.1e-6
+        )
+        assert position[-1] + fps / new_fps > frames - 1
 
 
 @settings(max_examples=50, deadline=None)

@@ -493,6 +493,8 @@ def _as_tuple(holds: Iterable[AdaptedHold]) -> tuple[AdaptedHold, ...]:
 
 
 def _is_index(value: object) -> bool:
+    if isinstance(value, bool):  # an index of Python's lists, and a mask of numpy's arrays
+        return False
     try:
         operator.index(value)  # type: ignore[arg-type]
     except TypeError:

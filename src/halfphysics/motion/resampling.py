@@ -13,7 +13,8 @@ Array = NDArray[np.float64]
 #: A sample this near to a source frame [frames] is that frame: rounding of k * fps_old / fps_new.
 SAME_TIME = 1e-6
 #: Rates of television as they are said and as they are (23.976, 24000 / 1001) differ by less than
-#: this part, and a last sample this part of a frame after the last frame is that frame.
+#: this part. Between such rates, and multiples of them, a last sample this part of a frame after
+#: the last frame is that frame.
 _SAME_RATE, _LAST = 2e-6, 0.02
 #: Highest rate that a motion is resampled to [1/s]: beyond it a minute takes gigabytes, and no
 #: camera, no muscle and no substep needs it.
@@ -32,7 +33,8 @@ def sample_positions(frames: int, fps: float, new_fps: float) -> Array:
     if new_fps > MAX_FPS:
         raise InputError(f"fps: found {new_fps:g}, expected at most {MAX_FPS:g} frames per second")
     last = (frames - 1) * new_fps / fps
-    count = int(np.floor(last + max(SAME_TIME, min(_SAME_RATE * last, _LAST)))) + 1
+    slack = min(_SAME_RATE * last, _LAST) if _is_multiple(fps, new_fps) else 0.0
+    count = int(np.floor(last + max(SAME_TIME, slack))) + 1
     if count < 2:
         duration = (frames - 1) / fps
         raise InputError(
@@ -41,6 +43,12 @@ def sample_positions(frames: int, fps: float, new_fps: float) -> Array:
         )
     position: Array = np.minimum(np.arange(count) * (fps / new_fps), frames - 1.0)
     return position
+
+
+def _is_multiple(fps: float, new_fps: float) -> bool:
+    """Whether one rate is a whole multiple of the other but for their printed digits."""
+    times = max(fps, new_fps) / min(fps, new_fps)
+    return abs(times / round(times) - 1.0) < _SAME_RATE
 
 
 def interpolated(translation: Array, rotations: Array, position: Array) -> tuple[Array, Array]:

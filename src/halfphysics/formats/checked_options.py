@@ -32,13 +32,13 @@ def checked_options(
     """
     if up is not None and (not isinstance(up, str) or up not in AXES):
         raise InputError(f"up: found {shown(up)}, expected one of {', '.join(map(repr, AXES))}")
-    if floor is not None and floor != "lowest":
+    if floor is not None and not (isinstance(floor, str) and floor == "lowest"):
         try:
             floor = number(floor, "floor", unit="m")
         except InputError as error:
             raise InputError(f"{error}, or 'lowest'") from None
-    if hands not in (None, "flat", "mean"):
-        raise InputError(f"hands: found {hands!r}, expected 'flat' or 'mean'")
+    if hands is not None and not (isinstance(hands, str) and hands in ("flat", "mean")):
+        raise InputError(f"hands: found {shown(hands)}, expected 'flat' or 'mean'")
     if fps is not None:
         fps = frame_rate(fps)
     if model is not None and str(model) not in MODELS and not file_path(model).exists():
@@ -46,8 +46,8 @@ def checked_options(
             f"model: found '{model}', expected one of {', '.join(MODELS)} or the path of a "
             "body-model file that exists"
         )
-    if gender is not None and gender not in GENDERS:
-        raise InputError(f"gender: found {gender!r}, expected one of {', '.join(GENDERS)}")
+    if gender is not None and not (isinstance(gender, str) and gender in GENDERS):
+        raise InputError(f"gender: found {shown(gender)}, expected one of {', '.join(GENDERS)}")
     if frames is not None:
         frames = _checked_frames(frames)
     if clip is not None and (not isinstance(clip, str) or not clip):

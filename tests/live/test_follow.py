@@ -175,16 +175,21 @@ def test_slow_senders_are_interpolated(follower):
 EVEN, MORE = 0.25, 0.05
 
 
-def walked(rate, speed=1.0, seconds=4.0):
-    """Targets of somebody who is sent at even speed, by the clock and the mailbox of a session."""
+def walked(rate, speed=1.0, seconds=4.0, jitter=0.0, lost=0):
+    """Targets of somebody who is sent at even speed, by the clock and the mailbox of a session.
+
+    Poses arrive up to `jitter` [s] late; of `lost` one never does.
+    """
     time = [0.0]
     clock, box = Clock(DT, lambda: time[0]), Mailbox(["ada"], lambda: time[0])
     follower = Follower(pose(), pose(), PELVIS, DT)
-    due = [k / rate for k in range(int(seconds * rate))]
+    taken = [k / rate for k in range(int(seconds * rate)) if not lost or k % lost]
+    late = np.random.default_rng(0).uniform(0.0, jitter, len(taken))
+    due = np.sort(taken + late).tolist()
     sent, steps = 0, []
     while time[0] < due[-1]:
         while due[sent] <= time[0]:
-            box.offer(IncomingPose("ada", pose(x=speed * due[sent])))
+            box.offer(IncomingPose("ada", pose(x=speed * taken[sent])))
             sent += 1
         fresh = box.fresh(clock.latest)
         wait = clock.wait(fresh, not fresh and box.expecting(clock.latest))
@@ -198,7 +203,7 @@ def walked(rate, speed=1.0, seconds=4.0):
     return np.array(steps[len(steps) // 2 :])
 
 
-@pytest.mark.parametrize("rate", [11, 24, 30, 45, 50, 60, 66, 72, 80, 90])
+@pytest.mark.parametrize("rate", [11, 24, 30, 45, 50, 60, 66, 72, 80, 82, 84, 90])
 def test_whoever_moves_evenly_is_followed_evenly(rate):
     """At any rate up to that of the physics, and never later than an interval and a step."""
     times, places = walked(rate).T
@@ -206,6 +211,21 @@ def test_whoever_moves_evenly_is_followed_evenly(rate):
     assert np.abs(speeds - 1.0).max() < EVEN
     assert speeds.mean() == pytest.approx(1.0, abs=MORE)
     assert (times - places).max() < 1.0 / rate + DT
+
+
+@pytest.mark.parametrize("rate", [30, 45, 90])
+def test_jitter_of_the_network_is_not_in_the_target(rate):
+    """Where the interval is a whole number of steps, the speed is that of the poses."""
+    _, places = walked(rate, jitter=0.004).T
+    assert np.diff(places) / DT == pytest.approx(1.0, abs=1e-9)
+
+
+def test_a_lost_pose_makes_the_ones_after_it_no_later():
+    """At the sender's own rate every pose that arrives is reached in the step that takes it."""
+    times, places = walked(90, lost=10).T
+    late = times - places > 1e-6
+    assert late.mean() < 1.5 / 10
+    assert not (late[:-1] & late[1:]).any()
 
 
 def test_other_axes_are_turned_into_the_start_s(follower):

@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.live.clock import MOST
 from halfphysics.live.incoming import IncomingPose, Tracking
 from halfphysics.live.stance import RELAXING
 from halfphysics.motion.easing import ease
@@ -42,9 +43,6 @@ JUMP_ROOT, JUMP_JOINT = 10.0, 60.0
 ROOT_SPEED, JOINT_SPEED = 2.5, 8.0
 #: Largest slope of `ease`: top speed over mean speed.
 _SLOPE = 1.875
-#: Share of a step by which a sender's interval may be longer for it to be one of the physics, whose
-#: clock follows the sender's.
-_SAME_RATE = 0.1
 #: Silence after which a person is held, and after which it relaxes [s].
 HOLD_AFTER, RELAX_AFTER = 0.25, 3.0
 
@@ -119,9 +117,16 @@ class Follower:
             self._blend_from(before)
 
     def _steps(self, interval: float, age: float) -> float:
-        """Steps in which a pose that arrived `age` [s] ago is reached."""
-        whole = math.ceil(min(interval, HOLD_AFTER) / self._dt - _SAME_RATE)
-        return 1.0 if whole <= 1 else max(1.0, whole - age / self._dt)
+        """Steps in which a pose that arrived `age` [s] ago is reached.
+
+        Where the interval is a whole number of steps, or near enough for the clock to follow, the
+        steps lie on the poses already, and an age is the network's alone: it would make even poses
+        uneven.
+        """
+        periods = min(interval, HOLD_AFTER) / self._dt
+        if periods <= 1.0 or abs(periods - round(periods)) <= MOST:
+            return max(1.0, float(round(periods)))
+        return max(1.0, math.ceil(periods) - age / self._dt)
 
     def _completed(self, arrived: IncomingPose, gap: float) -> tuple[Array, Array]:
         """Translation and rotations, in our axes, with the joints that the sender does not give.

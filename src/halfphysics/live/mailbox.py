@@ -12,14 +12,15 @@ from dataclasses import dataclass
 from typing import Literal
 
 from halfphysics.live.incoming import IncomingPose
+from halfphysics.live.interval import Interval
 from halfphysics.live.wakeup import Wakeup
 
 #: A pose whose time is farther back than this belongs to a sender that started again [s].
 _RESTART = 1.0
 #: A source that was silent for so long does not own its person any more [s].
 SILENT = 1.0
-#: Weight of the newest gap in the usual interval of a sender, and the largest gap that counts [s].
-_SMOOTH, _PAUSE = 0.1, 0.5
+#: A larger gap between two poses is a pause, which says nothing of the sender's rate [s].
+_PAUSE = 0.5
 
 Refusal = Literal["unknown", "busy", "late"]
 
@@ -63,7 +64,7 @@ class _Slot:
         self.source: str | None = None
         self.time: float | None = None
         self.received = -float("inf")
-        self.interval = 0.0
+        self.interval = Interval()
 
 
 class Mailbox:
@@ -154,13 +155,14 @@ class Mailbox:
 
     def interval(self, person: str) -> float:
         """Usual time between two poses of the person [s]; 0: unknown."""
-        return self._slots[person].interval
+        return self._slots[person].interval.seconds
 
     def _expected(self, slot: _Slot) -> float:
         """When the next pose arrives if the sender goes on; inf: it has stopped."""
-        if slot.interval == 0.0 or self._now() - slot.received > 3.0 * slot.interval:
+        interval = slot.interval.seconds
+        if interval == 0.0 or self._now() - slot.received > 3.0 * interval:
             return float("inf")
-        return slot.received + 0.8 * slot.interval
+        return slot.received + 0.8 * interval
 
     def _refusal(self, pose: IncomingPose) -> Refusal | None:
         slot = self._slots.get(pose.person)
@@ -181,11 +183,9 @@ class Mailbox:
     def _put(self, slot: _Slot, pose: IncomingPose, now: float) -> None:
         gap = now - slot.received
         if slot.source != pose.source or gap > _PAUSE:
-            slot.interval = 0.0
-        elif slot.interval == 0.0:
-            slot.interval = gap
+            slot.interval.clear()
         else:
-            slot.interval += _SMOOTH * (gap - slot.interval)
+            slot.interval.add(gap)
         if slot.arrival is not None:
             self.counts.replaced += 1
         slot.arrival = Arrival(pose, now, gap if gap < 1e9 else 0.0)

@@ -296,6 +296,49 @@ def test_a_packet_that_is_lost_turns_no_limb(lost, joint, other):
     assert np.linalg.norm(turns[0]) > 0.5
 
 
+def bones(pose):
+    """A frame in messages of one bone each, without those that are no bones."""
+    messages = [m for packet in sent(pose) for m in osc.decode(packet)]
+    return [osc.encode(m) for m in messages if "Bone" in m.address]
+
+
+@pytest.mark.parametrize("lost", [slice(0, 1), slice(0, 20), slice(20, 40), slice(40, 55)])
+def test_frames_after_lost_packets_are_whole_and_in_time(lost):
+    """Every pose is of one frame, and comes with the last packet of its frame."""
+    frames = [bones(any_pose(seed)) for seed in range(20, 28)]
+    references = decoded(VmcDecoder(PERSON, BODY), [p for f in frames for p in f])
+    del frames[3][lost]
+    decoder = VmcDecoder(PERSON, BODY)
+    counts, poses = [], []
+    for frame in frames:
+        came = [decoder.decode(packet, 0.0) for packet in frame]
+        counts.append(len(came[-1]))
+        poses += [incoming for now in came for incoming in now]
+    assert counts[4:] == [1, 1, 1, 1]
+    if lost.start == 0:  # no hips, no pose
+        del references[3]
+    assert [int((~incoming.tracked).sum()) for incoming in poses if not incoming.tracked.all()] == (
+        [] if lost.start == 0 else [lost.stop - lost.start]
+    )
+    for incoming, reference in zip(poses, references, strict=True):
+        if incoming.tracked.all():
+            assert furthest(incoming.pose, reference.pose) < ANGLE
+
+
+def test_a_frame_that_lacks_a_bone_calibrates_nothing():
+    """The next whole frame does."""
+    frame = bones(t_pose())
+    lowered = t_pose().rotations.copy()
+    lowered[JOINT_INDEX["left_shoulder"]] = [0.0, 0.0, -1.0]
+    low = bones(type(t_pose())(t_pose().translation, lowered))
+    fewer = [packet for packet in low if padded("LeftUpperArm") not in packet]
+    decoder = VmcDecoder(PERSON, BODY)
+    decoded(decoder, frame * 2)
+    decoder.calibrate()
+    got = decoded(decoder, [*fewer, *low, *low])[-1]
+    assert furthest(got.pose, t_pose()) < ANGLE
+
+
 def test_another_model_is_fitted_anew():
     pose = any_pose(13)
     whole = [osc.encode(m) for packet in sent(pose) for m in osc.decode(packet)]

@@ -5,13 +5,15 @@ A performer sends ``/VMC/Ext/Root/Pos`` and one ``/VMC/Ext/Bone/Pos`` for each o
 marionette receives them, on port 39539. Here a live session is both: it listens as a marionette,
 and sends the corrected poses on as a performer.
 
-A frame is not marked. It is complete when all bones of the frame before have come; a bone that
-comes again begins the next one.
+A frame is not marked. It is complete when all bones of the frames before have come. A bone that
+comes again begins the next one; so does the bone that began the frame before, if the bones come in
+the same order: packets may be lost.
 """
 
 from __future__ import annotations
 
 import math
+from collections import deque
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -46,6 +48,8 @@ _DEVICES = {
     for kind in ("Hmd", "Con", "Tra")
     for local in ("", "/Local")
 }
+#: Frames whose bones are expected in the next one: a bone that none of them has is sent no more.
+_RECENT = 3
 _ANKLES = [JOINT_INDEX["left_ankle"], JOINT_INDEX["right_ankle"]]
 _LEFT_HIP, _RIGHT_HIP = JOINT_INDEX["left_hip"], JOINT_INDEX["right_hip"]
 # A bone whose place changes by more shows another model [m]; largest coordinate that is taken [m].
@@ -86,10 +90,14 @@ class Device:
 
 @dataclass(eq=False)
 class _Frame:
-    """What has come of a frame: of each bone position and rotation as they were sent (55, 7)."""
+    """What has come of a frame: of each bone position and rotation as they were sent (55, 7).
+
+    `order`: the joints in the order in which they came.
+    """
 
     rows: Array = field(default_factory=lambda: np.tile(_REST, (N_JOINTS, 1)))
     given: Bools = field(default_factory=lambda: np.zeros(N_JOINTS, dtype=bool))
+    order: list[int] = field(default_factory=list)
     done: bool = False
 
 
@@ -110,14 +118,15 @@ class VmcDecoder:
         self._root = (np.zeros(3), _IDENTITY)
         self._time: float | None = None
         self._frame = _Frame()
-        self._expected: Bools | None = None
+        self._recent: deque[Bools] = deque(maxlen=_RECENT)
+        self._order: list[int] = []  # in which the bones of a frame come
         # Of the model that the rig is fitted to: places of its bones (55, 3), and which have come.
         self._offsets = np.zeros((N_JOINTS, 3))
         self._seen = np.zeros(N_JOINTS, dtype=bool)
         self._calibrated = self._wanted = False
 
     def calibrate(self) -> None:
-        """Take the next complete pose as a T-pose."""
+        """Take the next pose that no bone is missing of as a T-pose."""
         self._wanted = True
 
     def decode(self, data: bytes, now: float) -> list[IncomingPose]:
@@ -146,17 +155,35 @@ class VmcDecoder:
         if joint is None:  # LastBone, and bones of other models
             return []
         poses = []
-        if self._frame.given[joint]:
-            if not self._frame.done:  # it lacks bones that the one before had
+        if self._begins(joint):
+            if not self._frame.done:  # it lacks bones that the ones before had
                 poses += self._complete()
-            self._expected = self._frame.given
+            if self._is_whole():
+                self._order = self._frame.order
+            self._recent.append(self._frame.given)
             self._frame = _Frame()
         frame = self._frame
         frame.rows[joint] = values
         frame.given[joint] = True
-        if not frame.done and self._expected is not None and frame.given[self._expected].all():
+        frame.order.append(joint)
+        if not frame.done and self._recent and self._is_whole():
             poses += self._complete()
         return poses
+
+    def _begins(self, joint: int) -> bool:
+        """Whether the bone is the first of the next frame."""
+        frame = self._frame
+        if frame.given[joint]:
+            return True
+        if not frame.order or self._order[:1] != [joint]:
+            return False
+        # The first bone of a frame: that of this one was lost, unless the order is another now.
+        known = [other for other in self._order if frame.given[other]]
+        return known == [other for other in frame.order if other in self._order]
+
+    def _is_whole(self) -> bool:
+        """Whether the present frame has all bones of the last frames."""
+        return all(bool(self._frame.given[given].all()) for given in self._recent)
 
     def _complete(self) -> list[IncomingPose]:
         frame = self._frame
@@ -176,7 +203,7 @@ class VmcDecoder:
 
     def _fit(self, frame: _Frame, world: Array, offsets: Array) -> None:
         """Calibrate if it was asked for; else the limbs of a model are along its own rest pose."""
-        if self._wanted:
+        if self._wanted and self._is_whole():
             self._wanted, self._calibrated = False, True
             places = humanoid.CHAIN.world_positions(world, offsets)
             hips = frame.given[[_LEFT_HIP, _RIGHT_HIP]].all()

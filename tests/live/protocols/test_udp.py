@@ -201,6 +201,17 @@ def test_what_is_no_endpoint_is_said(text):
         (["vmc:7"], ["vmc:7"], r"forward: found vmc:127\.0\.0\.1:7, where poses come in"),
         (["vmc:0.0.0.0:65535"], ["vmc:65535"], r"such as vmc:127\.0\.0\.1:65534$"),
         (["vmc:1", "vmc:7"], ["mocopi:8", "vmc:localhost:7"], "follow themselves"),
+        (["vmc:7"], ["vmc:0.0.0.0:7"], "follow themselves"),
+        (["vmc:[::1]:7"], ["vmc:[::]:7"], "follow themselves"),
+        (["vmc:7"], ["vmc:LOCALHOST:7"], "follow themselves"),
+        (["vmc:[::1]:7"], ["vmc:localhost:7"], "follow themselves"),
+        (["vmc:Host:7"], ["vmc:host:7"], "follow themselves"),
+        (["vmc:7", "vmc:0.0.0.0:7"], [], "two people"),
+        (
+            ["vmc:7"],
+            ["rokoko:7"],
+            r"found rokoko:127\.0\.0\.1:7, a port that people's poses come in by, of vmc:.*:8$",
+        ),
     ],
 )
 def test_what_goes_out_does_not_come_in_again(listen, forward, said):
@@ -212,6 +223,7 @@ def test_places_of_their_own_are_fine():
     listen = [endpoint(text, 1) for text in ("vmc:0", "vmc:0", "vmc:7", "vmc:0.0.0.0:8")]
     forward = [endpoint(text, 1) for text in ("vmc:9", "vmc:10.0.0.1:7", "mocopi:10.0.0.1:8")]
     check_apart(listen, forward)
+    check_apart([endpoint("vmc:7", 1)], [endpoint("vmc:[::1]:7", 1)])
 
 
 def test_loopback_is_known():

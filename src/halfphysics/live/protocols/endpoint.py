@@ -11,9 +11,15 @@ from halfphysics.live.safety import is_loopback
 
 #: The address that is taken where none is given: nothing from or to other machines.
 LOOPBACK = "127.0.0.1"
-_LOOPBACKS = {LOOPBACK, "localhost"}
-#: All addresses of this machine.
-_ALL = {"0.0.0.0", "::"}
+#: All addresses of this machine for who listens; what is sent there goes to the loopback.
+_ALL = {"", "0.0.0.0", "::"}
+#: Names -> addresses that they may lead to.
+_LEADS = {
+    "localhost": {LOOPBACK, "::1"},
+    "": {LOOPBACK, "::1"},
+    "0.0.0.0": {LOOPBACK},
+    "::": {"::1"},
+}
 
 
 @dataclass(frozen=True)
@@ -79,20 +85,32 @@ def check_apart(listen: Sequence[Endpoint], forward: Sequence[Endpoint]) -> None
                     f"another, such as {_beside(place)}"
                 )
     for place in forward:
-        if any(_reaches(place, other) for other in listen):
-            raise InputError(
-                f"forward: found {place}, where poses come in: people would follow themselves. "
-                f"Forward to another port, such as {_beside(place)}"
-            )
+        for other in listen:
+            if _reaches(place, other):
+                why = (
+                    "where poses come in: people would follow themselves"
+                    if place.protocol == other.protocol
+                    else f"a port that people's poses come in by, of {other}"
+                )
+                raise InputError(
+                    f"forward: found {place}, {why}. "
+                    f"Forward to another port, such as {_beside(place)}"
+                )
 
 
 def _reaches(place: Endpoint, other: Endpoint) -> bool:
     """Whether what is sent to one place is heard at the other; port 0 is any free one."""
     if place.port != other.port or place.port == 0:
         return False
-    hosts = {place.host, other.host}
-    everywhere = other.host in _ALL and (place.is_local or place.host in _ALL)
-    return len(hosts) == 1 or hosts <= _LOOPBACKS or everywhere
+    if other.host in _ALL and (place.is_local or place.host in _ALL):
+        return True
+    return not _addresses(place.host).isdisjoint(_addresses(other.host))
+
+
+def _addresses(host: str) -> set[str]:
+    """Where a host may be, as far as that is known without asking the network."""
+    name = host.lower()
+    return _LEADS.get(name) or {str(ipaddress.ip_address(name)) if _is_address(name) else name}
 
 
 def _beside(place: Endpoint) -> Endpoint:

@@ -65,6 +65,20 @@ def test_numbers_that_are_none_are_named(number):
         schema.from_client(text % json.dumps(number))
 
 
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('{"type": "ping", "id": "a, NaN", "time": "x"}', r"got `str` - at `\$\.time`\. docs"),
+        ('{"type": "ping", "time": "x", "more": NaN}', r"got `str` - at `\$\.time`\. docs"),
+        ('{"type": "ping", "time": NaN}', r"malformed: .* \(NaN is no number of JSON\)\. docs"),
+        ('{"type": "ping", "id": "\\", NaN", "time": 1', r"truncated\. docs"),
+    ],
+)
+def test_what_is_wrong_is_said_whatever_numbers_there_are(text, said):
+    with pytest.raises(InputError, match=said):
+        schema.from_client(text)
+
+
 @pytest.mark.parametrize("number", [float("nan"), float("inf"), -float("inf")])
 @pytest.mark.parametrize("message", [schema.Ping(1, 0.0), POSE])
 def test_times_are_finite(message, number):

@@ -383,15 +383,27 @@ def from_server(data: str | bytes) -> FromServer:
         raise InputError(_wrong(data, error)) from None
 
 
-#: What some programs write into JSON for numbers that are none.
-_NOT_FINITE = re.compile(r"(?<=[\s:,\[])-?(?:NaN|Infinity)\b")
+#: Text of JSON; or what some programs write into JSON for numbers that are none.
+_TEXT_OR_NOT_FINITE = re.compile(r'"(?:[^"\\]|\\.)*"?|-?\b(?:NaN|Infinity)\b', re.DOTALL)
+_OF_A_POSE = re.compile(r'"type"\s*:\s*"pose"')
 
 
 def _wrong(data: str | bytes, error: Exception) -> str:
     kind, said = "JSON" if isinstance(data, str) else "MessagePack", str(error)[:300]
-    if isinstance(data, str) and (odd := _NOT_FINITE.search(data)) is not None:
-        said = f"{odd[0]} is no number of JSON; joints that are not known are false in 'tracked'"
+    # A field that is wrong was found before the number was read, and is what is wrong.
+    if isinstance(data, str) and not isinstance(error, msgspec.ValidationError):
+        said += _about_numbers(data)
     return (
         f"message: found {kind} of {len(data)} characters that is no message of version "
         f"{VERSION}: {said}. docs/live.md describes the messages"
     )
+
+
+def _about_numbers(data: str) -> str:
+    """What to add of a number that is none, outside of text; "": there is no such number."""
+    found = (match[0] for match in _TEXT_OR_NOT_FINITE.finditer(data))
+    odd = next((one for one in found if not one.startswith('"')), None)
+    if odd is None:
+        return ""
+    advice = "; joints that are not known are false in 'tracked'" if _OF_A_POSE.search(data) else ""
+    return f" ({odd} is no number of JSON{advice})"

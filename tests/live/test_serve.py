@@ -74,6 +74,13 @@ def test_mistakes(scene, options, said):
         hp.serve(scene, **{"port": 0, **options})
 
 
+def test_lists_are_anything_that_gives_texts(scene):
+    """Sets and iterators too; receivers and senders are as many as were given."""
+    given = {"listen": iter(["vmc:0"]), "forward": {"vmc:9"}, "origins": {"http://a.b": 1}}
+    with hp.serve(scene, port=0, **given) as served:
+        assert len(served.receivers) == 1
+
+
 def test_what_failed_to_start_leaves_nothing(scene, tmp_path):
     """The port is free again, and no thread of it runs."""
     with hp.serve(scene, port=0) as served:

@@ -165,6 +165,14 @@ def test_a_listener_that_fails_harms_nobody(session, caplog):
     assert len(caplog.records) == 1
 
 
+def test_starts_are_any_poses(scene):
+    """A list, a tuple or an iterator of them, or the first person's alone."""
+    there = hp.Pose([0.0, 2.0, 0.3], np.zeros((55, 3)))
+    starts = [Session(scene, start=start).newest for start in ([there], iter([there]), there)]
+    at = [first.poses["person"].translation for first in starts]
+    assert all(np.array_equal(at[0], other) for other in at[1:])
+
+
 def test_the_first_people_start_where_they_are_put(scene):
     pose = Session(scene).newest.poses["person"]
     there = hp.Pose(np.add(pose.translation, (0.0, -1.5, 0.0)), pose.rotations)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING
 
@@ -34,16 +34,16 @@ def serve(
     scene: Scene | None = None,
     *,
     body: Body | Sequence[Body] | None = None,
-    start: Sequence[Pose] | None = None,
+    start: Iterable[Pose] | None = None,
     settings: Settings | None = None,
     fps: float = 90.0,
     host: str = "127.0.0.1",
     port: int = PORT,
     token: str | None = None,
-    origins: Sequence[str] = (),
+    origins: Iterable[str] = (),
     record: str | os.PathLike[str] | None = None,
-    listen: Sequence[str] = (),
-    forward: Sequence[str] = (),
+    listen: Iterable[str] = (),
+    forward: Iterable[str] = (),
 ) -> LiveServer:
     """Serve a scene in real time: poses in, corrected poses, objects and contacts out.
 
@@ -73,25 +73,24 @@ def serve(
     fps = number(fps, "fps", least=RATES[0], most=RATES[1])
     if not is_whole(port, least=0, plain=False) or port > 65535:
         raise InputError(f"port: found {shown(port)}, expected a whole number from 0 to 65535")
-    for what, given, example in (
-        ("origins", origins, "http://localhost:5173"),
-        ("listen", listen, "vmc:39539"),
-        ("forward", forward, "vmc:127.0.0.1:39540"),
-    ):
-        _check_texts(what, given, example)
+    origins = _texts("origins", origins, "http://localhost:5173")
+    listen = _texts("listen", listen, "vmc:39539")
+    forward = _texts("forward", forward, "vmc:127.0.0.1:39540")
     path = None if record is None else file_path(record)
-    gate = Gate(host, token_for(host, token), tuple(origins))
+    gate = Gate(host, token_for(host, token), origins)
     session = Session(scene, body=body, start=start, settings=settings, fps=fps)
     recorder = None if path is None else Recorder(path, session.simulator)
     return LiveServer(session, gate, int(port), recorder, listen, forward)
 
 
-def _check_texts(what: str, given: object, example: str) -> None:
-    """Refuse anything but a list or tuple of texts: a text alone is a sequence, of letters."""
-    fine = isinstance(given, list | tuple) and all(isinstance(one, str) for one in given)
-    if not fine:
+def _texts(what: str, given: Iterable[str], example: str) -> tuple[str, ...]:
+    """Texts, in order. A text alone is refused: it is a sequence of letters, by mistake."""
+    alone = isinstance(given, str | bytes) or not isinstance(given, Iterable)
+    texts = () if alone else tuple(given)
+    if alone or not all(isinstance(one, str) for one in texts):
         listed = [given] if isinstance(given, str) else [example]
         raise InputError(f"{what}: found {shown(given)}, expected a list, such as {listed!r}")
+    return texts
 
 
 class LiveServer:

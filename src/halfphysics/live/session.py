@@ -10,14 +10,14 @@ import logging
 import queue
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.base.validation import several, shown
+from halfphysics.base.validation import shown
 from halfphysics.errors import HalfPhysicsError, InputError
 from halfphysics.live.clock import Clock
 from halfphysics.live.edits import Editor
@@ -49,6 +49,21 @@ _EDITS = 8
 _WAITING = 256
 #: Distance between people who stand beside each other at the start [m].
 _APART = 1.0
+
+
+def _poses(start: Iterable[Pose] | None) -> list[Pose]:
+    """The poses that are given; a pose alone is that of the first person."""
+    if start is None:
+        return []
+    many = isinstance(start, Iterable) and not isinstance(start, str | bytes)
+    poses: list[Pose] = list(start) if many else [cast("Pose", start)]
+    for pose in poses:
+        if not isinstance(pose, Pose):
+            raise InputError(
+                f"start: found {shown(pose)}, expected a list of one halfphysics.Pose a person "
+                "(motion[0] gives one)"
+            )
+    return poses
 
 
 def _upright(pose: Pose, pelvis: NDArray[np.float64]) -> Pose:
@@ -100,19 +115,13 @@ class Session:
         scene: Scene | None = None,
         *,
         body: Body | Sequence[Body] | None = None,
-        start: Sequence[Pose] | None = None,
+        start: Iterable[Pose] | None = None,
         settings: Settings | None = None,
         fps: float = 90.0,
         now: Callable[[], float] = time.perf_counter,
     ) -> None:
         settings = replace(checked_settings(settings), blocked="continue")
-        asked: list[Pose] = [] if start is None else several(start)
-        for pose in asked:
-            if not isinstance(pose, Pose):
-                raise InputError(
-                    f"start: found {shown(pose)}, expected a list of one halfphysics.Pose a person "
-                    "(motion[0] gives one)"
-                )
+        asked = _poses(start)
         self.simulator = Simulator(scene, body=body, settings=settings, fps=fps)
         world = self.simulator.world
         self.people = tuple(person.name for person in world.people)

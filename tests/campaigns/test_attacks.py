@@ -94,6 +94,7 @@ def test_what_is_not_told_to_be_inside_is_clear(family, seed):
 def test_edges_that_touch_stay_out(family, seed):
     row = run(Case(family, seed, fuzz=True), EDGES[family, seed])
     assert row["start_mm"] > 0.0
+    assert row["breaches"] == 0
     assert clearness(row) == []
 
 

@@ -133,7 +133,9 @@ std::vector<Breach> EndCheck::commit(Poses& end) {
   for (size_t i : breached_) {
     BroadPhasePair& e = pairs[i];
     const double depth = -gap(end, e, e.axes, true);
-    if (depth > tune::kBreach) out.push_back({{e.shape, e.other_static, e.other_shape}, depth});
+    // A step that is shortened until nothing is deeper ends right there, but for the noise.
+    if (depth > tune::kBreach + tune::kDeeper)
+      out.push_back({{e.shape, e.other_static, e.other_shape}, depth});
   }
   return out;
 }

@@ -122,20 +122,6 @@ def test_indexing():
     assert len(list(motion)) == 20
 
 
-@pytest.mark.parametrize("wrong", [1.5, "3", None, [0, 1], np.arange(3), True, np.True_])
-def test_frames_are_whole_numbers(wrong):
-    with pytest.raises(InputError, match=r"motion\[...\]: found .* t \* fps"):
-        random_motion()[wrong]
-
-
-@pytest.mark.parametrize(
-    "wrong", [slice(0.5, 2.0), slice("a", None), slice(0, 5, 0), slice(False, 5)]
-)
-def test_slices_are_of_whole_frames(wrong):
-    with pytest.raises(InputError, match=r"found slice\(.*expected whole frames and a step"):
-        random_motion()[wrong]
-
-
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import operator
 import os
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
@@ -22,6 +21,7 @@ from halfphysics.base.validation import frame_rate, number, shown
 from halfphysics.errors import InputError
 from halfphysics.motion.adapted_hold import AdaptedHold, check_adaptation
 from halfphysics.motion.file_metadata import FileMetadata
+from halfphysics.motion.frame_numbers import check_index, check_slice
 from halfphysics.motion.pose import Pose, checked, checked_axes, checked_scale, flat_rotations
 from halfphysics.motion.resampling import interpolated, neighbours, sample_positions
 from halfphysics.motion.skeleton import N_JOINTS
@@ -157,13 +157,9 @@ class Motion(InNotebook, ReadOnly):
     def __getitem__(self, index: int | slice) -> Pose | Motion:
         """A `Pose` for an integer, a `Motion` for a slice; a step keeps real time (fps / step)."""
         if isinstance(index, slice):
-            _check_slice(index)
+            check_slice(index)
             return self.changed(lambda motion: motion._taken(index))
-        if not _is_index(index):
-            raise InputError(
-                f"motion[...]: found {shown(index)}, expected the number of a frame or a slice of "
-                "frames; time t [s] is frame t * fps"
-            )
+        check_index(index)
         try:
             scale = None if self.stiffness_scale is None else self.stiffness_scale[index]
             return Pose(self.translation[index], self.rotations[index], self.axes, scale)
@@ -490,26 +486,6 @@ def _as_tuple(holds: Iterable[AdaptedHold]) -> tuple[AdaptedHold, ...]:
     if not isinstance(holds, Iterable):
         raise InputError(f"holds: found {shown(holds)}, expected a tuple of AdaptedHold")
     return tuple(holds)
-
-
-def _is_index(value: object) -> bool:
-    if isinstance(value, bool):  # an index of Python's lists, and a mask of numpy's arrays
-        return False
-    try:
-        operator.index(value)  # type: ignore[arg-type]
-    except TypeError:
-        return False
-    return True
-
-
-def _check_slice(index: slice) -> None:
-    """Refuse a slice of anything but whole frames."""
-    parts = (index.start, index.stop, index.step)
-    if not all(part is None or _is_index(part) for part in parts) or index.step == 0:
-        raise InputError(
-            f"motion[...]: found {shown(index)}, expected whole frames and a step that is not 0; "
-            "time t [s] is frame t * fps"
-        )
 
 
 def _check_speed(translation: Array, fps: float) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from typing import TypeVar
 
 from halfphysics.base.validation import several, shown
 from halfphysics.body.body import Body
@@ -11,6 +12,8 @@ from halfphysics.errors import InputError
 from halfphysics.motion.motion import Motion
 from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
+
+T = TypeVar("T")
 
 
 def checked_motion(motion: Motion, *, listed: bool = False) -> Motion:
@@ -34,7 +37,7 @@ def checked_motion(motion: Motion, *, listed: bool = False) -> Motion:
 
 def checked_body(body: Body | None) -> Body:
     """A body; None: the default one. Raises `InputError` for anything else."""
-    return Body.default() if body is None else _body(body)
+    return Body.default() if body is None else _given("body", body, Body)
 
 
 def checked_bodies(body: Body | Sequence[Body] | None) -> list[Body]:
@@ -43,7 +46,7 @@ def checked_bodies(body: Body | Sequence[Body] | None) -> list[Body]:
     Raises:
         InputError: One of them is no body.
     """
-    return [_body(one) for one in several(Body.default() if body is None else body)]
+    return [_given("body", one, Body) for one in several(Body.default() if body is None else body)]
 
 
 def checked_scene(scene: Scene | None) -> Scene:
@@ -53,12 +56,7 @@ def checked_scene(scene: Scene | None) -> Scene:
 
 def given_scene(scene: Scene) -> Scene:
     """A scene, where there has to be one. Raises `InputError` for anything else."""
-    if not isinstance(scene, Scene):
-        raise InputError(
-            f"scene: found {shown(scene)}, expected a halfphysics.Scene"
-            + _way_to(scene, "halfphysics.Scene.load")
-        )
-    return scene
+    return _given("scene", scene, Scene)
 
 
 def checked_settings(settings: Settings | None) -> Settings:
@@ -69,11 +67,12 @@ def checked_settings(settings: Settings | None) -> Settings:
     return settings or Settings()
 
 
-def _body(value: Body) -> Body:
-    if not isinstance(value, Body):
+def _given(name: str, value: T, kind: type[T]) -> T:
+    """A value of a class of this package, refused with the way to load one where it is a path."""
+    if not isinstance(value, kind):
         raise InputError(
-            f"body: found {shown(value)}, expected a halfphysics.Body"
-            + _way_to(value, "halfphysics.Body.load")
+            f"{name}: found {shown(value)}, expected a halfphysics.{kind.__name__}"
+            + _way_to(value, f"halfphysics.{kind.__name__}.load")
         )
     return value
 

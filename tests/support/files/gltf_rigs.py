@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import struct
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +16,10 @@ import numpy as np
 
 import halfphysics as hp
 from halfphysics.base import rotations as rot
-from halfphysics.motion.skeleton import PARENTS
+from halfphysics.errors import HalfPhysicsWarning
+from halfphysics.motion.skeleton import FACE_JOINTS, PARENTS
 from support.files.bvh_files import MIXAMO
+from support.files.layouts import movement
 
 #: File, y up, from the world.
 _TURN = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
@@ -210,3 +213,17 @@ def person(motion: hp.Motion, body: hp.Body, name: str = "take", **options: Any)
 
 def _xyzw(quaternion: np.ndarray) -> list[float]:
     return [float(v) for v in np.asarray(quaternion)[[1, 2, 3, 0]]]
+
+
+def motion_of(frames: int = 16, seed: int = 0, fps: float = 30.0) -> hp.Motion:
+    """A person who moves, with the face at rest."""
+    translation, rotations = movement(frames, seed=seed)
+    rotations[:, list(FACE_JOINTS)] = 0.0
+    return hp.Motion(translation, rotations, fps)
+
+
+def read(path, **options) -> hp.Motion:
+    """The motion of a file, without a warning."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", HalfPhysicsWarning)
+        return hp.Motion.load(path, **options)

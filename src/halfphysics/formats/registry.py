@@ -17,7 +17,7 @@ from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import shown
 from halfphysics.errors import FileError, InputError
-from halfphysics.formats import blender, emage, hymotion, plain, smpl_codec
+from halfphysics.formats import blender, edge, emage, hymotion, plain, smpl_codec
 from halfphysics.formats.amass import fields as amass
 from halfphysics.formats.amass import smpl as amass_smpl
 from halfphysics.formats.amass import smplh as amass_smplh
@@ -108,6 +108,7 @@ FORMATS: dict[str, Format] = {
         amass_smplh.FORMAT,
         amass_smpl.FORMAT,
         aist.FORMAT,
+        edge.FORMAT,  # AIST++'s names without its scaling
         grab.FORMAT,
         motionx.FORMAT,
         arctic.FORMAT,

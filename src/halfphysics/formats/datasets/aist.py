@@ -40,7 +40,9 @@ _GENDER = "male"
 
 def _sniff(source: Source) -> bool:
     data = source.data
-    return isinstance(data, dict) and ("smpl_poses" in data or "smpl_trans" in data)
+    if not isinstance(data, dict) or not {"smpl_poses", "smpl_trans"} & data.keys():
+        return False
+    return "smpl_scaling" in data or "full_pose" not in data  # else EDGE's
 
 
 def _load(source: Source, options: Options) -> Motion:

@@ -4,9 +4,6 @@ numpy.save of a dict: `thetas` (24, 6, T), the first two ROWS of every joint's r
 pytorch3d has it; HumanML3D's own six numbers are columns), `root_translation` (3, T), the POSITION
 of the pelvis [m] and not SMPL's translation, `motion` (25, 6, T), which is both, `vertices`
 (6890, 3, T), `faces`, `text`, `length`. y up, 20 fps, neutral SMPL, shape zero.
-
-The pelvis of SMPL at rest is in the licensed model: `model=` names it. Without it, that of the
-default body is taken, so that its pelvis is where the file has it.
 """
 
 from __future__ import annotations
@@ -19,22 +16,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
-from halfphysics.base.reader_warnings import warn
 from halfphysics.body.body import Body
 from halfphysics.errors import FileError
 from halfphysics.formats.checked_fields import Record
-from halfphysics.formats.datasets.subject import named_model
 from halfphysics.formats.format import Format, Options, Source
 from halfphysics.formats.motion_builder import (
     lost_gender,
     lost_joints,
     lost_model,
     lost_rate,
-    motion_of,
     own_fields,
-    rotations_of,
     same_length,
 )
+from halfphysics.formats.pelvis_place import motion_by_pelvis
 from halfphysics.formats.positions.layouts import FPS
 from halfphysics.formats.positions.written_joints import write_array
 from halfphysics.formats.written_people import written
@@ -80,30 +74,8 @@ def turned_parts(
         turns = rot.matrix_to_rotvec(matrices_of_rows(rows[:, :22]))
     except ValueError as error:
         raise FileError(f"{where}: no rotations of six numbers: {error}") from None
-    model = named_model(options)
-    invented = {"hands": "hands"}
-    if options.fps is None:
-        invented["fps"] = f"the rate ({FPS:g} fps)"
-    if model is None:
-        body, invented["translation"] = Body.default(), "the pelvis of SMPL at rest"
-    else:
-        folder = model.is_dir()
-        body = Body.load(
-            model, gender="neutral" if folder else None, model="smpl" if folder else None
-        )
-    warn(f"{where}: not in the file: {', '.join(invented.values())}")
-    return motion_of(
-        where,
-        options,
-        format=format,
-        translation=pelvis - np.asarray(body.rest_joints)[0],
-        rotations=rotations_of({skeleton.SMPL_JOINTS: turns}),
-        fps=FPS,
-        up="y",
-        model="smpl",
-        gender="neutral",
-        hands=None,
-        fields={**fields, "invented": invented, "rest": np.asarray(body.rest_joints)},
+    return motion_by_pelvis(
+        where, options, turns, pelvis, format=format, up="y", fps=FPS, fields=fields
     )
 
 

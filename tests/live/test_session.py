@@ -173,6 +173,13 @@ def test_starts_are_any_poses(scene):
     assert all(np.array_equal(at[0], other) for other in at[1:])
 
 
+def test_more_starts_than_people_are_refused(scene):
+    """Such as a whole motion, of which the first pose was taken."""
+    there = hp.Pose([0.0, 2.0, 0.3], np.zeros((55, 3)))
+    with pytest.raises(hp.HalfPhysicsError, match="start: found 3 poses, expected at most 2"):
+        Session(scene, body=[hp.Body.default()] * 2, start=[there] * 3)
+
+
 def test_the_first_people_start_where_they_are_put(scene):
     pose = Session(scene).newest.poses["person"]
     there = hp.Pose(np.add(pose.translation, (0.0, -1.5, 0.0)), pose.rotations)

@@ -90,7 +90,8 @@ class Session:
     Args:
         scene: Statics and objects; None: an empty one.
         body: The body of the person, or a sequence, one each.
-        start: The first people's first poses; the others stand beside each other.
+        start: The first people's first poses; the others stand beside each other. No more poses
+            than people.
         settings: See `Settings`; `blocked` is "continue" whatever it says: who moves now does not
             wait for their body, and poses that wait would be late for ever after.
         fps: Steps per second.
@@ -107,6 +108,7 @@ class Session:
         edited: Number of changes of the scene's items.
 
     Raises:
+        InputError: `start` has more poses than there are people, or something else.
         HalfPhysicsError: The simulation cannot start.
     """
 
@@ -128,6 +130,11 @@ class Session:
         standing = [
             stance(person.body, world.scene, y=_APART * i) for i, person in enumerate(world.people)
         ]
+        if len(asked) > len(world.people):
+            raise InputError(
+                f"start: found {len(asked)} poses, expected at most {len(world.people)}, one a "
+                "person. Give body= a list of bodies for more people, start=[motion[0]] for one"
+            )
         given = [
             _upright(pose, person.body.rest_joints[0])
             for pose, person in zip(asked, world.people, strict=False)

@@ -22,7 +22,8 @@ from halfphysics.formats.speed_check import is_rest_pose, rest_pose_first, warn_
 from halfphysics.formats.units_check import in_radians, unit_of
 from halfphysics.motion import skeleton
 from halfphysics.motion.file_metadata import FileMetadata
-from halfphysics.motion.motion import GENDERS, MAX_SPEED, MODELS, Motion
+from halfphysics.motion.motion import GENDERS, MODELS, Motion
+from halfphysics.motion.possible import MAX_SPEED
 from halfphysics.motion.smplx_names import one_shape
 
 Array = NDArray[np.float64]

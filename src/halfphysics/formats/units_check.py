@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base.reader_warnings import warn
 from halfphysics.formats.glance import Glance, glance
+from halfphysics.motion.possible import SUSPICIOUS, are_degrees
 
 Array = NDArray[np.float64]
 
@@ -28,12 +29,6 @@ _TOGETHER, _WAY, PLANTED = 0.7, 0.1, 0.5
 #: Who stands or sits has the root so far above the soles [m], and these at zero to within this [m],
 #: not at a height of more than this in the file's unit.
 _LEGS, _NEAR, _HIGH = 0.45, 0.2, 20.0
-#: An axis-angle component beyond this is no angle of a joint in radians: it is more than a turn.
-_TURN = 2.0 * np.pi
-#: Beyond this it is suspicious [rad]; so many joints make it certain: in degrees most bend more.
-_DEGREES, _CERTAIN = 20.0, 4
-# Joints of limbs and trunk: fingers and face may be noise.
-_BODY = slice(1, 22)
 
 
 def unit_of(where: str, translation: Array, rotations: Array, fps: float, axes: Array) -> float:
@@ -91,12 +86,10 @@ def in_radians(where: str, rotations: Array) -> tuple[Array, bool]:
     Warns:
         HalfPhysicsWarning: They were in degrees, or may be.
     """
-    size = np.abs(rotations[:, 1:])
-    largest = float(size.max(initial=0.0))
-    if largest <= _DEGREES:
+    largest = float(np.abs(rotations[:, 1:]).max(initial=0.0))
+    if largest <= SUSPICIOUS:
         return rotations, False
-    beyond = (np.abs(rotations[:, _BODY]) > _TURN).any(axis=(0, 2))
-    if int(beyond.sum()) >= _CERTAIN:
+    if are_degrees(rotations):
         warn(
             f"{where}: joints are turned by up to {largest:.0f}: rotations are in degrees, and "
             "read as such; expected radians"

@@ -23,6 +23,7 @@ from halfphysics.motion.adapted_hold import AdaptedHold, check_adaptation
 from halfphysics.motion.file_metadata import FileMetadata
 from halfphysics.motion.frame_numbers import check_index, check_slice
 from halfphysics.motion.pose import Pose, checked, checked_axes, checked_scale, flat_rotations
+from halfphysics.motion.possible import check_radians, check_speed
 from halfphysics.motion.resampling import interpolated, neighbours, sample_positions
 from halfphysics.motion.skeleton import N_JOINTS
 
@@ -34,8 +35,6 @@ Array = NDArray[np.float64]
 
 GENDERS = ("neutral", "male", "female")
 MODELS = ("smplx", "smplh", "smpl")
-#: Highest speed of a person's root [m/s]; beyond it the unit or the file is wrong.
-MAX_SPEED = 50.0
 # Frames skinned at once when a whole clip is looked at: bounds the memory.
 _CHUNK = 64
 
@@ -67,8 +66,8 @@ class Motion(InNotebook, ReadOnly):
 
     Raises:
         InputError: A wrong shape, NaN, fewer than two frames, an fps that is not positive, a
-            root faster than 50 m/s, an unknown gender or model, or `holds` or `recorded` of other
-            frames.
+            root faster than 50 m/s, rotations in degrees, an unknown gender or model, or `holds`
+            or `recorded` of other frames.
     """
 
     translation: Array
@@ -100,7 +99,8 @@ class Motion(InNotebook, ReadOnly):
                 "frame. Repeat the frame to hold a pose, or index with motion[i] for a Pose"
             )
         fps = frame_rate(self.fps)
-        _check_speed(translation, fps)
+        check_speed(translation, fps)
+        check_radians(rotations)
         betas = self.betas
         if betas is not None:
             betas = checked("betas", betas, (None,), "a vector (n,)")
@@ -486,15 +486,3 @@ def _as_tuple(holds: Iterable[AdaptedHold]) -> tuple[AdaptedHold, ...]:
     if not isinstance(holds, Iterable):
         raise InputError(f"holds: found {shown(holds)}, expected a tuple of AdaptedHold")
     return tuple(holds)
-
-
-def _check_speed(translation: Array, fps: float) -> None:
-    """Refuse a root that is faster than a person: a wrong unit, a wrong rate or a cut."""
-    speed = np.linalg.norm(np.diff(translation, axis=0), axis=1) * fps
-    if speed.max() > MAX_SPEED:
-        i = int(np.argmax(speed))
-        raise InputError(
-            f"translation: the root moves at {speed[i]:.3g} m/s between frames {i} and {i + 1} "
-            f"({fps:g} fps), expected under {MAX_SPEED:g}. Is it in metres and the fps right? "
-            "Where the clip has a cut, split it there (Motion.load(..., frames=(start, stop)))"
-        )

@@ -104,6 +104,17 @@ def test_another_motion_is_written_with_z_up(tmp_path):
     assert np.abs(BODY.joints(other)[:, :22] - BODY.joints(motion)[:, :22]).max() < ROUNDING
 
 
+def test_the_pelvis_of_another_body_is_where_it_was(tmp_path):
+    motion = hp.scenarios.load("walk_into_wall").motion[:20]
+    tall = hp.Body.default(stature=1.9)
+    motion.save(tmp_path / "a.pkl", format="edge", body=tall)
+    content = pickle.loads((tmp_path / "a.pkl").read_bytes())
+    assert np.abs(content["full_pose"] - tall.joints(motion)[:, SMPL]).max() < ROUNDING
+    assert np.abs(content["smpl_trans"] - tall.joints(motion)[:, 0]).max() < ROUNDING
+    other = quiet(tmp_path / "a.pkl").motion
+    assert np.abs(BODY.joints(other)[:, 0] - tall.joints(motion)[:, 0]).max() < ROUNDING
+
+
 WRONG = [
     *usual("smpl_poses")[1:],
     *usual("smpl_trans")[1:],

@@ -70,7 +70,9 @@ def _check_pelvis(record: Record, pelvis: NDArray[np.float64], joints: NDArray[n
 def _save(motion: Motion, path: Path, body: Body | None) -> None:
     person = written([motion], NAME)["0"]
     own = Body.default() if body is None else body
-    pelvis = person.translation + person.rest[0]
+    # A file of EDGE was read with the pelvis of one body, and is written with the same.
+    same = body is None or (motion.origin is not None and motion.origin.format == NAME)
+    pelvis = person.translation + (person.rest if same else own.rest_joints)[0]
     placed = Motion(pelvis - own.rest_joints[0], person.rotations, motion.fps)
     joints = own.joints(placed)[:, [*skeleton.SMPL_JOINTS, *_HANDS]]
     write(

@@ -28,6 +28,12 @@ def test_degrees_are_refused():
     hp.Motion(translation, rotations, 30.0)
 
 
+def test_rotation_vectors_a_few_turns_too_long_are_none():
+    translation, rotations = movement()
+    length = np.linalg.norm(rotations, axis=2, keepdims=True)
+    hp.Motion(translation, rotations * (1.0 + 6.0 * np.pi / length), 30.0)
+
+
 @pytest.mark.parametrize("clip", ["kick_ball", "stretch_on_bed", "crawl_under_table"])
 def test_scenarios_in_degrees_are_seen_and_in_radians_are_none(clip):
     rotations = hp.scenarios.load(clip).motion.rotations

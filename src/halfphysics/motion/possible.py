@@ -15,6 +15,9 @@ MAX_SPEED = 50.0
 _TURN = 2.0 * np.pi
 #: Beyond this it is suspicious [rad]; so many joints make it certain: in degrees most bend more.
 SUSPICIOUS, _CERTAIN = 20.0, 4
+#: Rotation vectors may be of any size, and some are left a few turns too long: the class itself
+#: refuses what goes beyond this [rad], five turns of a joint, or arms that hang, in degrees.
+_REFUSED = 30.0
 # Joints of limbs and trunk: fingers and face may be noise.
 _BODY = slice(1, 22)
 
@@ -35,9 +38,10 @@ def check_speed(translation: Array, fps: float) -> None:
         )
 
 
-def are_degrees(rotations: Array) -> bool:
-    """Whether axis-angle (T, 55, 3) can only be in degrees: several joints are turned too far."""
-    if float(np.abs(rotations[:, 1:]).max(initial=0.0)) <= SUSPICIOUS:
+def are_degrees(rotations: Array, beyond_all: float = SUSPICIOUS) -> bool:
+    """Whether axis-angle (T, 55, 3) must be in degrees: several joints are turned too far, and the
+    largest component is beyond `beyond_all`."""
+    if float(np.abs(rotations[:, 1:]).max(initial=0.0)) <= beyond_all:
         return False
     beyond = (np.abs(rotations[:, _BODY]) > _TURN).any(axis=(0, 2))
     return int(beyond.sum()) >= _CERTAIN
@@ -49,7 +53,7 @@ def check_radians(rotations: Array) -> None:
     Raises:
         InputError: It can only be in degrees.
     """
-    if are_degrees(rotations):
+    if are_degrees(rotations, _REFUSED):
         largest = float(np.abs(rotations[:, 1:]).max())
         raise InputError(
             f"rotations: joints are turned by up to {largest:.0f} rad, expected axis-angle in "

@@ -18,8 +18,8 @@ from halfphysics.body.body import Body
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.datasets.standing_axis import standing_axis
 from halfphysics.formats.format import Format, Options, Source
-from halfphysics.formats.motion_builder import lost_gender, lost_joints, lost_model, lost_rate
-from halfphysics.formats.pelvis_place import motion_by_pelvis
+from halfphysics.formats.motion_builder import same_length
+from halfphysics.formats.pelvis_place import lost_by_pelvis, motion_by_pelvis
 from halfphysics.formats.written_people import written
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
@@ -53,10 +53,7 @@ def _load(source: Source, options: Options) -> Motion:
 
 
 def _check_pelvis(record: Record, pelvis: NDArray[np.float64], joints: NDArray[np.float64]) -> None:
-    if len(joints) != len(pelvis):
-        raise record.error(
-            "full_pose", f"found {len(joints)} frames, expected {len(pelvis)}, as smpl_trans has"
-        )
+    same_length(record.where, {"smpl_trans": len(pelvis), "full_pose": len(joints)})
     apart = np.linalg.norm(joints[:, 0] - pelvis, axis=-1)
     if len(apart) and apart.max() > _APART:
         t = int(apart.argmax())
@@ -68,11 +65,9 @@ def _check_pelvis(record: Record, pelvis: NDArray[np.float64], joints: NDArray[n
 
 
 def _save(motion: Motion, path: Path, body: Body | None) -> None:
-    person = written([motion], NAME)["0"]
+    person = written([motion], NAME, [body])["0"]
     own = Body.default() if body is None else body
-    # A file of EDGE was read with the pelvis of one body, and is written with the same.
-    same = body is None or (motion.origin is not None and motion.origin.format == NAME)
-    pelvis = person.translation + (person.rest if same else own.rest_joints)[0]
+    pelvis = person.translation + person.rest[0]
     placed = Motion(pelvis - own.rest_joints[0], person.rotations, motion.fps)
     joints = own.joints(placed)[:, [*skeleton.SMPL_JOINTS, *_HANDS]]
     write(
@@ -86,10 +81,7 @@ def _save(motion: Motion, path: Path, body: Body | None) -> None:
 
 
 def _loses(motion: Motion) -> tuple[str, ...]:
-    lost = [*lost_joints(motion, skeleton.SMPL_JOINTS), *lost_model(motion, "smpl")]
-    if motion.betas is not None and motion.betas.any():
-        lost.append("the shape (betas)")
-    return (*lost, *lost_gender(motion), *lost_rate(motion, FPS))
+    return lost_by_pelvis(motion, FPS)
 
 
 FORMAT = Format(

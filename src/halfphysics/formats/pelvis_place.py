@@ -16,7 +16,14 @@ from halfphysics.base.reader_warnings import warn
 from halfphysics.body.body import Body
 from halfphysics.formats.datasets.subject import named_model
 from halfphysics.formats.format import Options
-from halfphysics.formats.motion_builder import motion_of, rotations_of
+from halfphysics.formats.motion_builder import (
+    lost_gender,
+    lost_joints,
+    lost_model,
+    lost_rate,
+    motion_of,
+    rotations_of,
+)
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
 
@@ -74,3 +81,11 @@ def motion_by_pelvis(
         hands=None,
         fields={**fields, "invented": invented, "rest": np.asarray(body.rest_joints)},
     )
+
+
+def lost_by_pelvis(motion: Motion, fps: float) -> tuple[str, ...]:
+    """What files of these formats, which readers take at `fps`, cannot hold: `Format.loses`."""
+    lost = [*lost_joints(motion, skeleton.SMPL_JOINTS), *lost_model(motion, "smpl")]
+    if motion.betas is not None and motion.betas.any():
+        lost.append("the shape (betas)")
+    return (*lost, *lost_gender(motion), *lost_rate(motion, fps))

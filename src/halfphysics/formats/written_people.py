@@ -62,14 +62,20 @@ class Written:
         return out
 
 
-def written(motions: Listing[Motion], format: str) -> dict[str, Written]:
-    """People by name: those of their file, else numbers; in metres, whatever their file had."""
+def written(
+    motions: Listing[Motion], format: str, bodies: Listing[Body | None] = ()
+) -> dict[str, Written]:
+    """People by name: those of their file, else numbers; in metres, whatever their file had.
+
+    The joints at rest are those that a file of this format was read with, else the person's own
+    (`bodies`), else the default body's.
+    """
     people: dict[str, Written] = {}
-    for motion in motions:
+    for motion, body in itertools.zip_longest(motions, bodies):
         translation, rotations, fields = file_parameters(motion, format)
         name = own_name(str(fields.get("track", len(people))), people)
         frames = int(fields.get("first", 0)) + np.arange(len(motion))
-        rest = np.asarray(fields.get("rest", Body.default().rest_joints))
+        rest = np.asarray(fields.get("rest", (body or Body.default()).rest_joints))
         metres = fields.get("unit", 1.0) * translation
         people[name] = Written(frames, metres, rotations, rest, motion)
     return people

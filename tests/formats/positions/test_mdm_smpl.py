@@ -54,6 +54,15 @@ def test_joints_are_the_truth(tmp_path):
     assert len(quiet(path, frames=(3, 9)).motion) == 6
 
 
+def test_the_pelvis_of_another_body_is_where_it_was(tmp_path):
+    motion = hp.scenarios.load("walk_into_wall").motion[:20]
+    tall = hp.Body.default(stature=1.9)
+    motion.save(tmp_path / "a.npy", format="mdm-smpl", body=tall)
+    other = quiet(tmp_path / "a.npy").motion
+    apart = hp.Body.default().joints(other)[:, 0] - tall.joints(motion)[:, 0]
+    assert np.abs(apart).max() < ROUNDING
+
+
 def test_rows_that_are_not_quite_orthogonal():
     rotations = truth()[1][:, :22]
     noisy = 1.3 * rows(rotations)

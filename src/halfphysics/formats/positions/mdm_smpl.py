@@ -21,18 +21,13 @@ from halfphysics.errors import FileError
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.format import Format, Options, Source
 from halfphysics.formats.motion_builder import (
-    lost_gender,
-    lost_joints,
-    lost_model,
-    lost_rate,
     own_fields,
     same_length,
 )
-from halfphysics.formats.pelvis_place import motion_by_pelvis
+from halfphysics.formats.pelvis_place import lost_by_pelvis, motion_by_pelvis
 from halfphysics.formats.positions.layouts import FPS
 from halfphysics.formats.positions.written_joints import write_array
 from halfphysics.formats.written_people import written
-from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
 
 Array = NDArray[np.float64]
@@ -101,7 +96,7 @@ def _load(source: Source, options: Options) -> Motion:
 
 
 def _save(motion: Motion, path: Path, body: Body | None) -> None:
-    person = written([motion], NAME)["0"]
+    person = written([motion], NAME, [body])["0"]
     matrices = rot.rotvec_to_matrix(person.smpl().reshape(len(motion), 24, 3))
     rows = np.moveaxis(matrices[..., :2, :].reshape(len(motion), 24, 6), 0, -1)
     pelvis = (person.translation + person.rest[0]).T
@@ -113,10 +108,7 @@ def _save(motion: Motion, path: Path, body: Body | None) -> None:
 
 
 def _loses(motion: Motion) -> tuple[str, ...]:
-    lost = [*lost_joints(motion, skeleton.SMPL_JOINTS), *lost_model(motion, "smpl")]
-    if motion.betas is not None and motion.betas.any():
-        lost.append("the shape (betas)")
-    return (*lost, *lost_gender(motion), *lost_rate(motion, FPS))
+    return lost_by_pelvis(motion, FPS)
 
 
 FORMAT = Format(

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
-import threading
-import time
 
 import msgspec
 import numpy as np
@@ -17,6 +16,8 @@ from halfphysics.viewer.bones import GRAIN, Bones
 from halfphysics.viewer.server import close_server, open_server
 
 BONES = 7
+#: A silence that shows that all has come, and how long to wait for something [s].
+PAUSE, PATIENCE = 1.0, 60.0
 
 
 @pytest.fixture(scope="module")
@@ -174,47 +175,36 @@ def test_a_connected_client_gets_whole_poses_and_few_bytes(server):
     from websockets.sync.client import connect
 
     figures = [Bones([mesh(server, f"/wire/{k}")]) for k in range(20)]  # 140 bones, 280 messages
-    count, got, size = 12, [], []
     url = f"ws://127.0.0.1:{server.get_port()}"
-    done = threading.Event()
+    size = []
     with connect(url, subprotocols=[f"viser-v{viser.__version__}"], max_size=None,
                  compression=None, proxy=None) as socket:  # fmt: skip
-
-        def listen():
-            while not done.is_set():
-                try:
-                    data = socket.recv(timeout=0.1)
-                except TimeoutError:
-                    continue
-                length = int.from_bytes(data[:8], "little")
-                packed = int.from_bytes(data[8:16], "little")
-                raw = zstandard.ZstdDecompressor().decompress(data[16 : 16 + packed], length)
-                messages = msgspec.msgpack.decode(raw)["messages"]
-                moved = [m for m in messages if m.get("name", "").startswith("/wire/")
-                         and "position" in m and "bone_index" in m]  # fmt: skip
-                if len(moved) == len(messages) / 2:
-                    got.append(moved)
-                    size.append(len(data))
-
-        thread = threading.Thread(target=listen)
-        thread.start()
-        time.sleep(0.6)  # wait for the meshes
-        positions, quaternions = poses(count, seed=3)
-        for p, q in zip(positions, quaternions, strict=True):
+        with contextlib.suppress(TimeoutError):  # the meshes have come, and nothing more does
+            while True:
+                socket.recv(timeout=PAUSE if size else PATIENCE)
+                size.append(0)
+        size.clear()
+        for p, q in zip(*poses(12, seed=3), strict=True):
             with server.atomic():
                 for bones in figures:
                     bones.send(p, q)
-            time.sleep(0.08)
-        time.sleep(0.3)
-        done.set()
-        thread.join()
-    assert len(got) >= count // 2  # a slow machine may leave some out, never parts of one
-    assert {len(moved) for moved in got} == {20 * BONES}
-    for moved in got:
-        firsts = {tuple(m["position"]) for m in moved if m["bone_index"] == 0}
-        assert len(firsts) == 1, "parts of two poses in one"
-    np.testing.assert_allclose(
-        next(m["position"] for m in got[-1] if m["bone_index"] == 0), positions[-1, 0], atol=GRAIN
-    )
+            data = socket.recv(timeout=PATIENCE)
+            size.append(len(data))
+            messages = unpacked(data)
+            moved = [m for m in messages if m["name"].startswith("/wire/")]
+            positions = [m for m in moved if "position" in m]
+            assert len(positions) == 20 * BONES
+            assert len(moved) == len(messages) == 2 * len(positions)
+            firsts = {tuple(m["position"]) for m in positions if m["bone_index"] == 0}
+            assert len(firsts) == 1, "parts of two poses in one"
+            np.testing.assert_allclose(firsts.pop(), p[0], atol=GRAIN)
     # Unpacked, a message of viser's own is about 100 bytes.
     assert np.median(size) < 280 * 25
+
+
+def unpacked(data):
+    """The messages of what a browser receives at once."""
+    length = int.from_bytes(data[:8], "little")
+    packed = int.from_bytes(data[8:16], "little")
+    raw = zstandard.ZstdDecompressor().decompress(data[16 : 16 + packed], length)
+    return msgspec.msgpack.decode(raw)["messages"]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import stat
-import time
 
 import numpy as np
 import pytest
@@ -17,6 +16,7 @@ from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
 from halfphysics.formats import FORMATS
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
+from support.calls import calls
 from support.files.amass_files import WIDTHS, fields, same, write
 from support.files.layouts import UPRIGHT
 
@@ -232,16 +232,17 @@ def test_real_clips_come_back_bit_for_bit(shared_data, tmp_path):
         assert np.array_equal(sixty.translation, motion.translation)
 
 
-def test_ten_thousand_frames_load_in_a_tenth_of_a_second(tmp_path):
-    rotations = np.tile(np.linspace(0, 0.2, 165), (10_000, 1))
-    rotations[:, :3] += UPRIGHT["z"]
-    motion = Motion(np.tile([0.0, 0.0, 1.0], (10_000, 1)), rotations, 120.0)
-    own = {"poses": motion.poses, "trans": motion.translation}
-    path = write(tmp_path / "a.npz", fields(frames=10_000) | own)
+def test_ten_thousand_frames_load_at_once(tmp_path):
+    """No loop runs over the frames: ten times as many take as many calls."""
 
-    def seconds() -> float:
-        start = time.process_time()
-        Motion.load(path)
-        return time.process_time() - start
+    def steps(frames: int) -> int:
+        rotations = np.tile(np.linspace(0, 0.2, 165), (frames, 1))
+        rotations[:, :3] += UPRIGHT["z"]
+        motion = Motion(np.tile([0.0, 0.0, 1.0], (frames, 1)), rotations, 120.0)
+        own = {"poses": motion.poses, "trans": motion.translation}
+        path = write(tmp_path / f"{frames}.npz", fields(frames=frames) | own)
+        Motion.load(path)  # what is imported late
+        return calls(lambda: Motion.load(path))
 
-    assert min(seconds() for _ in range(5)) < 0.1
+    # Large arrays come off the disk in parts.
+    assert steps(10_000) < steps(1000) + 1000

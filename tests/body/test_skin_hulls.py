@@ -57,9 +57,10 @@ def check(hulls: SkinHulls, faces: np.ndarray, weights: np.ndarray) -> None:
         row[some] = True
     whole = inside[:, faces].all(axis=2)  # (H, F)
     assert whole.any(axis=0).all(), "a face that is in no set"
+    parts = parts_of_faces(faces, weights)
     for row, some, part in zip(whole, sets, hulls.part, strict=True):
         np.testing.assert_array_equal(np.unique(faces[row]), np.sort(some))
-        own = row & (parts_of_faces(faces, weights) == part)
+        own = row & (parts == part)
         assert own.any()
         assert weights[faces[own]].sum(axis=(0, 1)).argmax() == part
 

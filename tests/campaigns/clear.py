@@ -18,7 +18,7 @@ import time
 import warnings
 import zlib
 from dataclasses import asdict, dataclass
-from functools import cache
+from functools import cache, cached_property
 from itertools import product
 from pathlib import Path
 
@@ -63,7 +63,7 @@ class Case:
     stiffness: float
     drive: float | None
 
-    @property
+    @cached_property
     def id(self) -> str:
         drive = "alg1" if self.drive is None else f"tau{self.drive:g}"
         return (

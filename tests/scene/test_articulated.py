@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from halfphysics import Box, Plane, Scene, Settings, Simulator, Sphere, simulate
+from halfphysics.base import limited_child
 from halfphysics.base import rotations as rot
 from halfphysics.body.body import Body
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
@@ -70,6 +71,28 @@ def test_a_walking_person_opens_a_door(body):
     watch = Watch(simulator)
     gaps = [watch.gap(f._qpos)[0] for f in frames[::4]]
     assert 0.0 < min(gaps) < 0.002  # the person pushes it
+
+
+def test_a_text_is_compiled_once_and_what_names_files_every_time(monkeypatch, tmp_path):
+    """Scenes of scenarios and sweeps have the same texts: a process starts half a second."""
+    starts, run = [], limited_child.run
+
+    def counted(*arguments, **options):
+        starts.append(arguments)
+        return run(*arguments, **options)
+
+    monkeypatch.setattr(limited_child, "run", counted)
+    own = CABINET.replace('mass="4"', 'mass="4.25"')  # no other test has it
+    first, again = (Scene().add_articulated("box", own) for _ in range(2))
+    assert len(starts) == 1
+    assert first.links[1].mass == again.links[1].mass == 4.25
+    lid = Scene().add_articulated("other", own, joints={"rail": -0.2})
+    assert (len(starts), lid.joints, again.joints) == (1, {"rail": -0.2}, {})
+    for mass in (2.0, 3.0):  # a file may have changed
+        path = tmp_path / "box.xml"
+        path.write_text(CABINET.replace('mass="4"', f'mass="{mass}"'))
+        assert Scene().add_articulated("box", path).links[1].mass == mass
+    assert len(starts) == 3
 
 
 def test_a_body_pushes_a_drawer_shut(body):

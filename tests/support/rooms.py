@@ -7,11 +7,13 @@ skin and rigid parts): overlapping items are moved away from it, no farther than
 from __future__ import annotations
 
 import warnings
+from functools import cache
 
 import numpy as np
 
 from halfphysics.base import rotations as rot
 from halfphysics.geometry.mesh import Mesh
+from halfphysics.geometry.mesh_files import load_mesh
 from halfphysics.scene.scene import Scene
 from halfphysics.simulation.simulator import Simulator
 from support.judges.clear_judge import NEAR, Judge
@@ -62,10 +64,7 @@ def furnished(motion, body, folder, seed, pieces=6):
         turn = rot.exp([0.0, 0.0, yaw])
         path = folder / f"{file}.obj"
         while True:
-            trial = Scene()
-            static = trial.add_static(
-                name, path, scale=SCALE, up="y", position=position, quaternion=turn
-            )
+            static = Scene().add_static(name, _mesh(path), position=position, quaternion=turn)
             if judge.gap_to(static, first) >= 0.5 * NEAR:
                 break
             position = position + 0.02 * np.asarray(away)
@@ -93,6 +92,12 @@ def furnished(motion, body, folder, seed, pieces=6):
         away = away / max(np.linalg.norm(away), 1e-9)
         put(file.split("/")[1], file, (*target, height), rng.uniform(0.0, 2 * np.pi), (*away, 0.0))
     return scene
+
+
+@cache
+def _mesh(path):
+    """The shape of a piece, read once however often it is moved."""
+    return load_mesh(path, scale=SCALE, up="y")[0]
 
 
 def merged(scene, triangles):

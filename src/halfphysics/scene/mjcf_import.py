@@ -81,7 +81,12 @@ def _model(what: str, source: Any) -> tuple[CompiledModel, dict[str, Any]]:
         root = _checked_xml(what, text, None)
         if root.tag == "robot":
             package_files(what, root, None)
-        return compiled(what, {"xml": text, "urdf": root.tag == "robot"}), {"xml": text}
+        model = compiled(
+            what,
+            {"xml": text, "urdf": root.tag == "robot"},
+            reads_files=bool(_named_files(root, Path())),
+        )
+        return model, {"xml": text}
     if not isinstance(text, str | os.PathLike):
         raise InputError(f"{what}: found {shown(source)} as source, expected {_SOURCES}")
     path = Path(text)

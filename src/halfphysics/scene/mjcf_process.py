@@ -20,6 +20,9 @@ SECONDS, MEMORY = 4.0, 2**30
 SECONDS_PER_BYTE, MEMORY_PER_BYTE = 2e-6, 32
 #: Bytes of the arrays that come back: a hundred meshes of 10,000 vertices are 12 MB.
 _MOST_BYTES = 2**28
+#: So many models of texts that name no files, each of so many bytes at most, are remembered: scenes
+#: of scenarios and sweeps are built again and again, and a process takes half a second to start.
+_REMEMBERED, _REMEMBERED_BYTES = 16, 2**20
 #: The meaning of an error, by what MuJoCo was doing.
 _EXPECTED = {
     "read": "MuJoCo cannot read it: {}. Expected MJCF or URDF",
@@ -46,24 +49,34 @@ class CompiledModel:
         raise AttributeError(name)
 
 
-def compiled(what: str, source: dict[str, Any], *, assets: int = 0) -> CompiledModel:
+_known: dict[bytes, CompiledModel] = {}
+
+
+def compiled(
+    what: str, source: dict[str, Any], *, assets: int = 0, reads_files: bool = True
+) -> CompiledModel:
     """The model of a file or a text.
 
     Args:
         what: Name for messages.
         source: `path` or `xml`, `urdf`: whether it is URDF, and `files`: see `mjcf_child`.
         assets: Bytes of the meshes and textures that it names.
+        reads_files: False: the source is all that there is to read, so that its model is compiled
+            once in a process. The arrays are then shared and cannot be changed.
 
     Raises:
         InputError: MuJoCo cannot read or compile it, within `SECONDS` and `MEMORY`, or crashes.
     """
+    request = json.dumps(source).encode()
+    if not reads_files and request in _known:
+        return _known[request]
     seconds, memory = SECONDS + SECONDS_PER_BYTE * assets, MEMORY + MEMORY_PER_BYTE * assets
     if not limited_child.can_start():
         head, arrays = mjcf_child.read(source)
     else:
         answer = limited_child.run(
             Path(mjcf_child.__file__),
-            json.dumps(source).encode(),
+            request,
             seconds=seconds,
             memory=memory,
         )
@@ -77,7 +90,20 @@ def compiled(what: str, source: dict[str, Any], *, assets: int = 0) -> CompiledM
     if "error" in head:
         reason = " ".join(str(head["error"]).split())[:400]
         raise InputError(f"{what}: {_EXPECTED[head['in']].format(reason)}")
-    return CompiledModel(head, arrays)
+    model = CompiledModel(head, arrays)
+    if not reads_files:
+        _remember(request, model)
+    return model
+
+
+def _remember(request: bytes, model: CompiledModel) -> None:
+    for array in model.arrays.values():
+        array.setflags(write=False)
+    if len(request) + sum(array.nbytes for array in model.arrays.values()) > _REMEMBERED_BYTES:
+        return
+    while len(_known) >= _REMEMBERED:
+        _known.pop(next(iter(_known)), None)
+    _known[request] = model
 
 
 def of_spec(spec: Any) -> CompiledModel:

@@ -24,6 +24,8 @@ BETWEEN = 200
 POLE = Box((0.002, 0.002, 1.0))
 #: Triangles further from the pole's bounds than this [m] are not asked about.
 NEAR = 1e-3
+#: A bit for each side of a box, as `Arm.near` has them.
+SIDES = 1 << np.arange(6, dtype=np.uint8)
 #: Joint -> axis that swings the left arm, or the trunk with it, about the vertical.
 SWINGS = {"left_shoulder": 1, "left_elbow": 1, "spine1": 1}
 
@@ -78,10 +80,15 @@ class Arm:
         self.faces = self.faces.reshape(faces.shape)
         self._skinner, self._linear = skinner, skinner.linear(used)
 
-    def triangles(self, translation, rotations, axes):
-        """Corners (T, n, 3, 3) at poses (T, 3), (T, 55, 3)."""
+    def near(self, low, high, translation, rotations, axes):
+        """Corners (n, 3, 3) of the triangles near a box, per pose of (T, 3) and (T, 55, 3)."""
         points = self._skinner.points_of(self._linear, translation, rotations, axes)
-        return points.swapaxes(0, 1)[:, self.faces]
+        for here in points.swapaxes(0, 1):
+            # One bit for each side of the box that a point is beyond: a triangle whose corners
+            # share one cannot meet it (Cohen and Sutherland's codes).
+            beyond = np.concatenate([here < low, here > high], axis=1) @ SIDES
+            first, second, third = beyond[self.faces].T
+            yield here[self.faces[first & second & third == 0]]
 
 
 def met(arm, motion, place, substeps=1):
@@ -93,14 +100,14 @@ def met(arm, motion, place, substeps=1):
         first, second = motion[t], motion[t + 1]
         if np.abs(first.rotations - second.rotations).max() < 1e-3:
             continue
-        for corners in arm.triangles(*between(first, second, BETWEEN // substeps), motion.axes):
-            # Others cannot meet it: their bounds along the world's axes do not meet its own.
-            near = (corners.min(axis=1) < place + half) & (corners.max(axis=1) > place - half)
-            corners = corners[near.all(axis=1)].reshape(-1, 3)
+        poses = between(first, second, BETWEEN // substeps)
+        for corners in arm.near(place - half, place + half, *poses, motion.axes):
             if not len(corners):
                 continue
             request, result = coal.CollisionRequest(), coal.CollisionResult()
-            skin = coal_triangles(corners, np.arange(len(corners)).reshape(-1, 3))
+            skin = coal_triangles(
+                corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3)
+            )
             count += coal.collide(skin, coal.Transform3s(), pole, here, request, result)
     return count
 

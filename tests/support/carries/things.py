@@ -12,6 +12,8 @@ from functools import cached_property
 import numpy as np
 import trimesh
 
+from support import short_rows as rows
+
 #: Density that the OMOMO reader assumes [kg/m^3], and the most that two hands or one carry [kg].
 DENSITY = 400.0
 MOST = {2: 6.0, 1: 0.5}
@@ -38,14 +40,14 @@ class Solid:
         """Signed distances (...,) of points (..., 3) in the thing's frame [m]."""
         p = np.asarray(points) - self.at
         if self.kind == "sphere":
-            return np.linalg.norm(p, axis=-1) - self.size[0]
+            return rows.length(p) - self.size[0]
         if self.kind == "box":
             off = np.abs(p) - 0.5 * np.asarray(self.size)
         else:
-            across = np.linalg.norm(np.delete(p, self.axis, axis=-1), axis=-1) - self.size[0]
+            across = rows.length(np.delete(p, self.axis, axis=-1)) - self.size[0]
             off = np.stack([across, np.abs(p[..., self.axis]) - 0.5 * self.size[1]], axis=-1)
-        outside = np.linalg.norm(np.maximum(off, 0.0), axis=-1)
-        return outside + np.minimum(off.max(axis=-1), 0.0)
+        outside = rows.length(np.maximum(off, 0.0))
+        return outside + np.minimum(rows.largest(off), 0.0)
 
     @property
     def mesh(self) -> trimesh.Trimesh:

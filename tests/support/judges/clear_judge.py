@@ -83,6 +83,7 @@ class Judge:
         others = [s for s in statics if not isinstance(s.shape, Plane)]
         self.statics = [JudgedStatic.of(s) for s in others]
         self.obstacles = Obstacles(others)
+        self._posed = None, []  # the last pose of `gap_to`, and the pieces there
 
     def judge(self, start, frames, told=None, near=NEAR) -> Verdict:
         """`start`: coordinates (nq,) of the first pose; `frames`: with their substeps recorded."""
@@ -108,8 +109,7 @@ class Judge:
     def gap_to(self, static, pose):
         """Distance of a `halfphysics.scene.scene.Static` from a pose (nq,); inf beyond `NEAR`."""
         s, best, recent = JudgedStatic.of(static), np.inf, []
-        for pieces in self.pieces:
-            at = pieces.at(pose[None])
+        for at in self._at(pose):
             low, high = at.low[0] - NEAR, at.high[0] + NEAR
             for i in np.flatnonzero(s.near(low, high)):
                 points = at.points(i, 0)
@@ -118,6 +118,12 @@ class Judge:
                     best = min(best, d)
                     _keep(recent, away)
         return best
+
+    def _at(self, pose):
+        """The pieces at a pose (nq,)."""
+        if not np.array_equal(self._posed[0], pose):
+            self._posed = pose.copy(), [pieces.at(pose[None]) for pieces in self.pieces]
+        return self._posed[1]
 
 
 class _Chunk:

@@ -12,6 +12,7 @@ import numpy as np
 from halfphysics.base import rotations as rot
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
 from halfphysics.scene.trajectories import KinematicObject
+from support import short_rows as rows
 from support.judges.coal_shapes import coal_shape
 from support.judges.person_hulls import pieces_of
 from support.judges.scene_solids import fixed_links, owners, solids_of
@@ -220,7 +221,7 @@ class Watch:
             ends = np.array([[s.low, s.high] for s in self.statics])
             apart = np.maximum(low[:, :, None] - ends[:, 1], ends[:, 0] - high[:, :, None])
             counts = self._meet_static & ~(self._human[:, None] & (statics == "things"))
-            t, a, b = np.nonzero((apart <= near).all(axis=3) & counts)
+            t, a, b = np.nonzero((rows.largest(apart) <= near) & counts)
             found.append((t, a, b + at.count))
         return np.concatenate([np.array(f) for f in found] or [np.zeros((3, 0), int)], axis=1)
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from halfphysics.base import rotations as rot
 from halfphysics.geometry.shapes import Mesh, Plane
+from support import short_rows as rows
 from support.judges.coal_shapes import coal_shape, coal_triangles
 from support.judges.triangle_soup import triangle_boxes
 
@@ -77,7 +78,7 @@ class JudgedStatic:
         if self.plane is not None:
             n, offset = self.plane
             return np.where(n > 0.0, low, high) @ n < offset
-        return ((low < self.high) & (high > self.low)).all(axis=-1)
+        return rows.every((low < self.high) & (high > self.low))
 
     def within(self, low, high):
         """The same solid, with only the triangles that meet a box."""
@@ -144,7 +145,7 @@ class JudgedStatic:
                 if self._highest(n) < bottom:
                     return True
                 continue
-            left = left[(left @ n).max(axis=1) >= bottom]
+            left = left[rows.largest(left @ n) >= bottom]
             if not len(left):
                 return True
         return False

@@ -14,6 +14,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from support import short_rows as rows
+
 #: Steps of the search, and the accuracy at which it ends [m].
 STEPS, ACCURACY = 14, 1e-7
 #: Lengths under this have no direction [m].
@@ -34,7 +36,7 @@ def planes(clouds, highest, guess, far, settle=False):
     normal, proven = np.zeros((len(clouds), 3)), np.full(len(clouds), -np.inf)
     pair, nearest, triangle = np.arange(len(clouds)), guess, None
     for _ in range(STEPS):
-        size = _length(nearest)
+        size = rows.length(nearest)
         n = nearest / np.maximum(size, TINY)[:, None]
         heights = np.einsum("kmi,ki->km", clouds, n)
         low = clouds[np.arange(len(pair)), heights.argmin(axis=1)]
@@ -46,7 +48,7 @@ def planes(clouds, highest, guess, far, settle=False):
             triangle, nearest = np.repeat(newest[:, None], 3, axis=1), newest
         else:
             triangle, nearest = _nearer(triangle, newest)
-        size = _length(nearest)  # the distance is not larger
+        size = rows.length(nearest)  # the distance is not larger
         left = (proven[pair] < far) & (size - proven[pair] > ACCURACY)
         left &= size > (TINY if settle else far)
         if not left.any():
@@ -81,23 +83,10 @@ def nearest_to_origin(triangles):
     on_edge = triangles + np.clip(share, 0.0, 1.0)[..., None] * edges
     edge = np.einsum("kei,kei->ke", on_edge, on_edge).argmin(axis=1)
     out = on_edge[np.arange(len(edge)), edge]
-    up = _cross(edges[:, 0], edges[:, 1])
+    up = rows.cross(edges[:, 0], edges[:, 1])
     area = np.einsum("ki,ki->k", up, up)
-    turns = _cross(triangles.reshape(-1, 3), edges.reshape(-1, 3)).reshape(triangles.shape)
-    inside = (area > 0.0) & (np.einsum("kei,ki->ke", turns, up) >= 0.0).all(axis=1)
+    turns = rows.cross(triangles.reshape(-1, 3), edges.reshape(-1, 3)).reshape(triangles.shape)
+    inside = (area > 0.0) & (rows.smallest(np.einsum("kei,ki->ke", turns, up)) >= 0.0)
     height = np.einsum("ki,ki->k", triangles[:, 0], up) / np.where(inside, area, 1.0)
     out[inside] = (height[:, None] * up)[inside]
-    return out
-
-
-def _length(a):
-    """Lengths of vectors (k, 3): as quick as `_cross`."""
-    return np.sqrt(np.einsum("ki,ki->k", a, a))
-
-
-def _cross(a, b):
-    """Cross products of pairs of vectors (k, 3): numpy's own spends its time on checking shapes."""
-    out = np.empty_like(a)
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        out[:, i] = a[:, j] * b[:, k] - a[:, k] * b[:, j]
     return out

@@ -10,6 +10,7 @@ import coal
 import numpy as np
 
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
+from support import short_rows as rows
 from support.judges.coal_shapes import coal_shape
 from support.judges.triangle_soup import Soup
 
@@ -24,7 +25,7 @@ def signed_distance(shape, points):
     if isinstance(shape, Plane):
         return points @ np.asarray(shape.normal) - shape.offset
     if isinstance(shape, Sphere):
-        return np.linalg.norm(points, axis=1) - shape.radius
+        return rows.length(points) - shape.radius
     if isinstance(shape, Capsule):
         above = np.abs(points[:, 2]) - 0.5 * shape.length
         side = np.hypot(points[:, 0], points[:, 1])
@@ -34,8 +35,8 @@ def signed_distance(shape, points):
     else:
         side = np.hypot(points[:, 0], points[:, 1]) - shape.radius
         beside = np.stack([side, np.abs(points[:, 2]) - 0.5 * shape.length], axis=1)
-    outside = np.linalg.norm(np.maximum(beside, 0.0), axis=1)
-    return outside + np.minimum(beside.max(axis=1), 0.0)
+    outside = rows.length(np.maximum(beside, 0.0))
+    return outside + np.minimum(rows.largest(beside), 0.0)
 
 
 def _closest(shape, points):
@@ -49,7 +50,7 @@ def _closest(shape, points):
     arm = points - core
     if isinstance(shape, Cylinder):
         arm[:, 2] = 0.0
-    size = np.linalg.norm(arm, axis=1, keepdims=True)
+    size = rows.length(arm)[:, None]
     arm *= np.minimum(1.0, shape.radius / np.maximum(size, 1e-12))
     if isinstance(shape, Cylinder):
         core[:, 2] = np.clip(points[:, 2], -0.5 * shape.length, 0.5 * shape.length)
@@ -60,7 +61,7 @@ def _support(shape, n):
     """A primitive's extent along directions n (k, 3) of any length."""
     if isinstance(shape, Box):
         return np.abs(n) @ (0.5 * np.asarray(shape.size))
-    size = np.linalg.norm(n, axis=1)
+    size = rows.length(n)
     if isinstance(shape, Sphere):
         return shape.radius * size
     if isinstance(shape, Capsule):
@@ -100,14 +101,14 @@ class Primitive:
         k, m = corners.shape[:2]
         d = signed_distance(self.shape, corners.reshape(-1, 3)).reshape(k, m)
         if self.plane:
-            return np.flatnonzero((d <= 0.0).any(axis=1))
+            return np.flatnonzero(rows.smallest(d) <= 0.0)
         first = corners[:, :1]
-        apart = d[:, 0] > np.linalg.norm(corners - first, axis=2).max(axis=1)
+        apart = d[:, 0] > rows.largest(rows.length(corners - first))
         left = np.flatnonzero(~apart)
         for j in range(m):
             p = corners[left]
             n = p[:, j] - _closest(self.shape, p[:, j])
-            low = np.einsum("kmi,ki->km", p, n).min(axis=1)
+            low = rows.smallest(np.einsum("kmi,ki->km", p, n))
             left = left[~(low > _support(self.shape, n))]
         here = coal.Transform3s()
         return np.array([i for i in left if _collide(hull_of(corners[i]), self.coal, here)], int)
@@ -120,9 +121,7 @@ class Surface:
         vertices, faces = np.asarray(vertices, float), np.asarray(faces, dtype=np.int64)
         self.solid, self.plane = solid, False
         corners = vertices[faces]
-        area = np.linalg.norm(
-            _cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
-        )
+        area = rows.length(rows.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
         self.soup = Soup(corners[area > 0.0])
         self.low, self.high = self.soup.low, self.soup.high
         self.middle = corners[:, 0]
@@ -140,14 +139,14 @@ class Surface:
         """Depths of points (n, 3), (n,) [m]: 0 outside, and for open pieces."""
         out = np.zeros(len(points))
         if self.solid:
-            near = np.flatnonzero(((points > self.low) & (points < self.high)).all(axis=1))
+            near = np.flatnonzero(rows.every((points > self.low) & (points < self.high)))
             inside = near[self.soup.winding(points[near]) > 0.5]
             out[inside] = self.soup.distances(points[inside])
         return out
 
     def met_by(self, corners):
         """As in `Primitive`."""
-        item, which = self.soup.near(corners.min(axis=1), corners.max(axis=1))
+        item, which = self.soup.near(rows.smallest(corners, 1), rows.largest(corners, 1))
         together = _not_apart(corners[item], self.soup.triangles[which])
         found = set()
         for k in together:
@@ -159,14 +158,6 @@ class Surface:
         return np.array(sorted(found), dtype=int)
 
 
-def _cross(a, b):
-    """Cross products of pairs of vectors (k, 3): numpy's own spends its time on checking shapes."""
-    out = np.empty_like(a)
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        out[:, i] = a[:, j] * b[:, k] - a[:, k] * b[:, j]
-    return out
-
-
 def _not_apart(a, b):
     """Which of k hulls of a (k, m, 3) and triangles b (k, 3, 3) no axis of theirs separates."""
     left = np.arange(len(a))
@@ -175,21 +166,22 @@ def _not_apart(a, b):
     ways = a[:, 3:] - a[:, : a.shape[1] - 3]
 
     def axes():
-        yield lambda i: _cross(sides[i, 0], sides[i, 1])
-        yield lambda i: _cross(bones[i, 0], bones[i, 1])
+        yield lambda i: rows.cross(sides[i, 0], sides[i, 1])
+        yield lambda i: rows.cross(bones[i, 0], bones[i, 1])
         if a.shape[1] > 3:
-            yield lambda i: _cross(a[i, 4] - a[i, 3], a[i, 5] - a[i, 3])
+            yield lambda i: rows.cross(a[i, 4] - a[i, 3], a[i, 5] - a[i, 3])
         for edges in (bones, ways):
             for j in range(edges.shape[1]):
                 for k in range(3):
-                    yield lambda i, e=edges, j=j, k=k: _cross(e[i, j], sides[i, k])
+                    yield lambda i, e=edges, j=j, k=k: rows.cross(e[i, j], sides[i, k])
 
     for axis in axes():
         if len(left) <= FEW:
             break
         n = axis(left)
         p, q = np.einsum("kmi,ki->km", a[left], n), np.einsum("kmi,ki->km", b[left], n)
-        apart = (p.min(axis=1) > q.max(axis=1)) | (p.max(axis=1) < q.min(axis=1))
+        apart = rows.smallest(p) > rows.largest(q)
+        apart |= rows.largest(p) < rows.smallest(q)
         left = left[~apart]
     return left
 

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from support import short_rows as rows
+
 #: Items that go down the tree together: bounds the memory.
 CHUNK = 8192
 #: Levels of the tree that tell whether a point is near.
@@ -80,9 +82,8 @@ def _along_curve(points):
 
 
 def triangle_boxes(triangles):
-    """Corners of boxes (F, 3) around triangles (F, 3, 3): numpy is slow along short rows."""
-    a, b, c = np.moveaxis(triangles, 1, 0)
-    return np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+    """Corners of boxes (F, 3) around triangles (F, 3, 3)."""
+    return rows.smallest(triangles, 1), rows.largest(triangles, 1)
 
 
 class Soup:
@@ -148,11 +149,9 @@ class Soup:
     def winding(self, points):
         """Winding number of the surface around points (n, 3): exact where it is closed."""
         if self._shadows is None:
-            flat = self._seen[..., :2]
-            self._shadows = Boxes(
-                np.concatenate([flat.min(axis=1), self._seen[..., 2:].max(axis=1)], axis=1),
-                np.concatenate([flat.max(axis=1), self._seen[..., 2:].max(axis=1)], axis=1),
-            )
+            low, high = triangle_boxes(self._seen)
+            low[:, 2] = high[:, 2]
+            self._shadows = Boxes(low, high)
         p = points @ self._turn
 
         def meets(i, low, high):
@@ -168,7 +167,7 @@ class Soup:
 
         areas = np.stack([turn(b, c), turn(c, a), turn(a, b)], axis=1)
         sign = np.sign(areas.sum(axis=1))
-        covered = (areas * sign[:, None] > 0.0).all(axis=1)
+        covered = rows.smallest(areas * sign[:, None]) > 0.0
         above = (areas * np.stack([a[:, 2], b[:, 2], c[:, 2]], axis=1)).sum(axis=1) * sign > 0.0
         return np.bincount(item, weights=sign * (covered & above), minlength=len(p))
 
@@ -183,7 +182,7 @@ def _beside(points, low, high):
 def to_triangles(points, triangles):
     """Distances (k,) of points (k, 3) from triangles (k, 3, 3), pair by pair."""
     best = np.full(len(points), np.inf)
-    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    normal = rows.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     size = np.einsum("ki,ki->k", normal, normal)
     within = size > 0.0
     for j in range(3):
@@ -193,7 +192,7 @@ def to_triangles(points, triangles):
         t = np.einsum("ki,ki->k", to, edge) / np.where(length > 0.0, length, 1.0)
         gap = to - np.clip(t, 0.0, 1.0)[:, None] * edge
         best = np.minimum(best, np.einsum("ki,ki->k", gap, gap))
-        within &= np.einsum("ki,ki->k", np.cross(edge, to), normal) >= 0.0
+        within &= np.einsum("ki,ki->k", rows.cross(edge, to), normal) >= 0.0
     height = np.einsum("ki,ki->k", points - triangles[:, 0], normal)
     plane = height * height / np.where(size > 0.0, size, 1.0)
     return np.sqrt(np.where(within, np.minimum(best, plane), best))

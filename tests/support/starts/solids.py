@@ -12,6 +12,7 @@ import coal
 import numpy as np
 
 from halfphysics.base import rotations as rot
+from support import short_rows as rows
 from support.judges.coal_shapes import coal_hull
 
 #: Smaller depths are no penetration: the accuracy of EPA and of the substep's own solve [m].
@@ -255,4 +256,4 @@ def bounds(solid):
 def near_poses(posed, h, solid, reach=0.0):
     """Poses (T,) at which the box of hull h comes within `reach` of that of the solid."""
     low, high = bounds(solid)
-    return ((posed.low[:, h] < high + reach) & (posed.high[:, h] > low - reach)).all(axis=1)
+    return rows.every((posed.low[:, h] < high + reach) & (posed.high[:, h] > low - reach))

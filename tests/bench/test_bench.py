@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import warnings
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from halfphysics.bench.record import Options, Record
 from halfphysics.bench.sides import simulators
 from halfphysics.bench.wall import past_face
 from halfphysics.cli import MISTAKE, main
-from halfphysics.errors import InputError
+from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
 from halfphysics.results.result import ObjectTrack
 from halfphysics.scene.scene import Scene
@@ -100,7 +101,8 @@ def measured(clip, tmp_path_factory):
     """The files that one quick run of all cases writes."""
     out = tmp_path_factory.mktemp("bench") / "bench.json"
     arguments = ["bench", "--quick", "--repeats", "1", "--motion", str(clip), "--json", str(out)]
-    with pytest.MonkeyPatch.context() as patch:
+    with pytest.MonkeyPatch.context() as patch, warnings.catch_warnings():
+        warnings.simplefilter("error", HalfPhysicsWarning)  # no case starts in a doubtful place
         patch.setattr("halfphysics.bench.instructions.shutil.which", lambda name: None)
         assert main(arguments) == 0
     return json.loads(out.read_text())

@@ -19,8 +19,8 @@ from halfphysics.simulation.simulator import Simulator
 #: Scenario, and the material of its furniture.
 SEAT = ("sit_on_sofa", "sofa")
 BED = ("stretch_on_bed", "mattress")
-#: Frames of a quick run: seated; lying.
-_SEATED, _LYING = slice(45, 75), slice(15, 45)
+#: Frames of a quick run: the last of the way down, and seated; lying. Their first is clear.
+_SEATED, _LYING = slice(35, 65), slice(15, 45)
 
 
 def seat(options: Options) -> Iterator[Record]:

@@ -168,9 +168,10 @@ class Simulator(InNotebook):
         return State(world.stepper.save().tobytes(), self._axes, world.signature, world.held)
 
     def set_state(self, state: State) -> None:
-        """Return to a state of this simulator or of one with the same people, scene and settings.
+        """Return to a state of this simulator or of one with the same people and items.
 
-        What was held then is held again, nothing else is.
+        What was held then is held again, nothing else is. The settings stay those of this
+        simulator: from one state several may be tried.
 
         Raises:
             InputError: The state belongs to another model.

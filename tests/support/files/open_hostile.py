@@ -9,6 +9,7 @@ and the error ("ours": of `halfphysics.errors`). WORDS choose attacks by parts o
 from __future__ import annotations
 
 import json
+import os
 import sys
 import time
 import warnings
@@ -43,6 +44,11 @@ def forget() -> None:
         return
 
 
+def work() -> float:
+    """Processor time of this process and of the children that have ended [s]."""
+    return sum(os.times()[:4])
+
+
 OPENERS = {
     "motion": hp.load_sequence,
     "body": hp.Body.load,
@@ -55,7 +61,7 @@ OPENERS = {
 def opened(kind: str, path: Path) -> dict[str, object]:
     """What comes of opening one file."""
     forget()
-    before, start = peak(), time.monotonic()
+    before, start, worked = peak(), time.monotonic(), work()
     try:
         OPENERS[kind](path)
         kept, said = "nothing", ""
@@ -65,6 +71,7 @@ def opened(kind: str, path: Path) -> dict[str, object]:
         kept, said = type(error).__name__, str(error)
     return {
         "seconds": time.monotonic() - start,
+        "work": work() - worked,
         "megabytes": peak() - before,
         "error": kept,
         "said": said,

@@ -5,5 +5,5 @@ set -e
 cd "$(dirname "$0")/.."
 python=${PYTHON:-python3}
 cmake -S . -B build/inplace -DHALFPHYSICS_INPLACE=ON -DHALFPHYSICS_BUILD_TESTS=ON -DHALFPHYSICS_C=ON \
-  -DPython_EXECUTABLE="$(command -v "$python")" >/dev/null
+  -DHALFPHYSICS_UNITY=OFF -DPython_EXECUTABLE="$(command -v "$python")" >/dev/null
 cmake --build build/inplace -j "${JOBS:-2}"

@@ -64,11 +64,11 @@ void set_groups(hp::SkinnedMesh& s, size_t frames, const std::optional<Indices>&
     require(s.group_first[g] <= s.group_first[g + 1], "group_first is out of order");
 }
 
-void skin(Vertices rest_vertices, Vertices rest_joints, Indices first, Indices joint,
-          f64<nb::shape<-1>> weights, f64<nb::shape<-1, 3, -1>> posedirs,
-          f64<nb::shape<-1, -1, 3>> rotations, f64<nb::shape<-1, -1, 3>> positions,
-          f64<nb::shape<-1, -1, 4>> quaternions, Indices subset, bool all, int threads, out64 out,
-          std::optional<Indices> group_first, std::optional<Mask> wanted) {
+void pose_skin(Vertices rest_vertices, Vertices rest_joints, Indices first, Indices joint,
+               f64<nb::shape<-1>> weights, f64<nb::shape<-1, 3, -1>> posedirs,
+               f64<nb::shape<-1, -1, 3>> rotations, f64<nb::shape<-1, -1, 3>> positions,
+               f64<nb::shape<-1, -1, 4>> quaternions, Indices subset, bool all, int threads,
+               out64 out, std::optional<Indices> group_first, std::optional<Mask> wanted) {
   hp::SkinnedMesh s{};
   const size_t vertices = rest_vertices.shape(0), frames = rotations.shape(0);
   s.n_joints = rest_joints.shape(0);
@@ -106,7 +106,7 @@ void bind_skinning(nb::module_& m) {
   m.def("kinematics", &kinematics, nb::arg("rotations"), nb::arg("root"), nb::arg("rest_joints"),
         nb::arg("parents"), nb::arg("positions"), nb::arg("quaternions"),
         "World positions (T, J, 3) and quaternions (T, J, 4) of the joints, into the last two.");
-  m.def("skin", &skin, nb::arg("rest_vertices"), nb::arg("rest_joints"), nb::arg("first"),
+  m.def("skin", &pose_skin, nb::arg("rest_vertices"), nb::arg("rest_joints"), nb::arg("first"),
         nb::arg("joint"), nb::arg("weights"), nb::arg("posedirs"), nb::arg("rotations"),
         nb::arg("positions"), nb::arg("quaternions"), nb::arg("subset"), nb::arg("all"),
         nb::arg("threads"), nb::arg("out"), nb::arg("group_first") = nb::none(),

@@ -9,7 +9,7 @@
 namespace {
 
 using triangles::Tree;
-using Points = f64<nb::shape<-1, 3>>;
+using PointArray = f64<nb::shape<-1, 3>>;
 
 template <typename T, size_t Dim>
 nb::ndarray<nb::numpy, T> own(std::vector<T>* data, const size_t (&shape)[Dim]) {
@@ -17,7 +17,7 @@ nb::ndarray<nb::numpy, T> own(std::vector<T>* data, const size_t (&shape)[Dim]) 
   return nb::ndarray<nb::numpy, T>(data->data(), Dim, shape, owner);
 }
 
-nb::tuple distance(const Tree& tree, Points points, int threads) {
+nb::tuple distance(const Tree& tree, PointArray points, int threads) {
   const size_t n = points.shape(0);
   auto* distance = new std::vector<double>(n);
   auto* face = new std::vector<int>(n);
@@ -42,7 +42,7 @@ void bind_triangle_tree(nb::module_& m) {
                    "winding: also keep what `winding` and `exceeds` need.")
       .def(
           "__init__",
-          [](Tree* self, Points vertices, i32<nb::shape<-1, 3>> faces, bool winding) {
+          [](Tree* self, PointArray vertices, i32<nb::shape<-1, 3>> faces, bool winding) {
             nb::gil_scoped_release release;
             new (self)
                 Tree(vertices.data(), vertices.shape(0), faces.data(), faces.shape(0), winding);
@@ -52,7 +52,7 @@ void bind_triangle_tree(nb::module_& m) {
            "Distances (n,) [m], nearest faces (n,) and closest points (n, 3) [m].")
       .def(
           "crossings",
-          [](const Tree& self, Points points, int threads) {
+          [](const Tree& self, PointArray points, int threads) {
             const size_t n = points.shape(0);
             auto* out = new std::vector<int>(n);
             {
@@ -65,7 +65,7 @@ void bind_triangle_tree(nb::module_& m) {
           "Signed crossings of the rays upward (n,): the winding number of closed triangles.")
       .def(
           "winding",
-          [](const Tree& self, Points points, double tolerance, int threads) {
+          [](const Tree& self, PointArray points, double tolerance, int threads) {
             need_winding(self);
             const size_t n = points.shape(0);
             auto* out = new std::vector<double>(n);
@@ -79,7 +79,7 @@ void bind_triangle_tree(nb::module_& m) {
           "Generalised winding numbers (n,), off by at most `tolerance`; 0: the full sum.")
       .def(
           "exceeds",
-          [](const Tree& self, Points points, f64<nb::shape<-1>> threshold, int threads) {
+          [](const Tree& self, PointArray points, f64<nb::shape<-1>> threshold, int threads) {
             need_winding(self);
             const size_t n = points.shape(0);
             if (threshold.shape(0) != n)

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "geometry/gjk.h"
+#include "geometry/tree_queue.h"
 #include "geometry/triangle_points.h"
 #include "geometry/triangle_touch.h"
 #include "tuning.h"
@@ -28,27 +29,6 @@ bool behind(const Plane& p, const Vec3 v[3], double tolerance) {
   double o = p.offset + tolerance;
   return dot(p.n, v[0]) <= o && dot(p.n, v[1]) <= o && dot(p.n, v[2]) <= o;
 }
-
-struct Entry {
-  double d2;  // lower bound of the squared distance
-  int id;     // node, or -1 - triangle
-  bool operator<(const Entry& o) const { return d2 > o.d2 || (d2 == o.d2 && id > o.id); }
-};
-
-// Nearest first.
-struct Queue {
-  std::vector<Entry> heap;
-  void push(double d2, int id) {
-    heap.push_back({d2, id});
-    std::push_heap(heap.begin(), heap.end());
-  }
-  Entry pop() {
-    std::pop_heap(heap.begin(), heap.end());
-    const Entry e = heap.back();
-    heap.pop_back();
-    return e;
-  }
-};
 
 // The plane of the nearest points of a shape and a triangle; dist > reach where they are farther.
 Plane plane_to(const PosedShape& a, const Vec3 v[3], int t, double reach, Vec3 guess = {}) {
@@ -104,12 +84,12 @@ struct TriangleTree::PlaneSearch {
     int first = -1;  // of what waits with it, in `waiting`
   };
   struct Waiting {
-    Entry entry;
+    TreeEntry entry;
     int next;
   };
   // Kept from call to call: nothing is allocated once warm.
   struct Scratch {
-    Queue queue;
+    TreeQueue queue;
     std::vector<Known> known;
     std::vector<Waiting> waiting;
     std::vector<Plane> out_of_reach;  // nothing behind these is within reach
@@ -127,12 +107,12 @@ struct TriangleTree::PlaneSearch {
   double run();  // the reach that the planes hold for
 
  private:
-  bool too_many(const Entry& next) const;
+  bool too_many(const TreeEntry& next) const;
   bool left_out(int t) const { return std::binary_search(without.begin(), without.end(), t); }
   // Is everything that `is_behind` tests culled by a plane that is found or out of reach, or put to
   // wait?
   template <typename Behind>
-  bool settled(const Entry& e, Behind is_behind) {
+  bool settled(const TreeEntry& e, Behind is_behind) {
     tests += out.size() + s.out_of_reach.size() + s.known.size();
     for (const Plane& p : out)
       if (!p.overlaps && is_behind(p)) return true;
@@ -146,19 +126,19 @@ struct TriangleTree::PlaneSearch {
     }
     return false;
   }
-  bool node_settled(const Entry& e) {
+  bool node_settled(const TreeEntry& e) {
     const Box3& box = tree.nodes_[e.id].box;
     return settled(e,
                    [&](const Plane& p) { return box.highest(p.n) <= p.offset + tune::kBoxBehind; });
   }
-  bool triangle_settled(const Entry& e, const Vec3 v[3]) {
+  bool triangle_settled(const TreeEntry& e, const Vec3 v[3]) {
     return settled(e, [&](const Plane& p) { return behind(p, v, tune::kTriangleBehind); });
   }
   Plane measure(int t, const Vec3 v[3], Vec3 guess);
   void measure_old();
-  void open(const Entry& e);
-  void visit(const Entry& e);
-  void take_turn(const Entry& e, Known& known, const Vec3 v[3]);
+  void open(const TreeEntry& e);
+  void visit(const TreeEntry& e);
+  void take_turn(const TreeEntry& e, Known& known, const Vec3 v[3]);
 };
 
 Plane TriangleTree::PlaneSearch::measure(int t, const Vec3 v[3], Vec3 guess) {
@@ -187,12 +167,12 @@ void TriangleTree::PlaneSearch::measure_old() {
 }
 
 // A node's children, or its triangles.
-void TriangleTree::PlaneSearch::open(const Entry& e) {
+void TriangleTree::PlaneSearch::open(const TreeEntry& e) {
   if (node_settled(e)) return;
   const Node& node = tree.nodes_[e.id];
   if (node.left >= 0) {
     for (int child : {node.left, node.right}) {
-      Entry c{std::max(gap2(tree.nodes_[child].box, a.box()), e.d2), child};
+      TreeEntry c{std::max(gap2(tree.nodes_[child].box, a.box()), e.d2), child};
       if (c.d2 <= reach * reach && !node_settled(c)) s.queue.push(c.d2, c.id);
     }
     return;
@@ -202,13 +182,13 @@ void TriangleTree::PlaneSearch::open(const Entry& e) {
     tree.triangle(i, v);
     Box3 box;
     for (Vec3 p : v) box.add(p);
-    Entry c{std::max(gap2(box, a.box()), e.d2), -1 - i};
+    TreeEntry c{std::max(gap2(box, a.box()), e.d2), -1 - i};
     if (c.d2 <= reach * reach && !left_out(i) && !triangle_settled(c, v)) s.queue.push(c.d2, c.id);
   }
 }
 
 // The turn of a triangle whose plane is known.
-void TriangleTree::PlaneSearch::take_turn(const Entry& e, Known& known, const Vec3 v[3]) {
+void TriangleTree::PlaneSearch::take_turn(const TreeEntry& e, Known& known, const Vec3 v[3]) {
   if (e.d2 < square(known.plane) * (1 - 1e-12)) return;  // its turn comes
   bool culled = false;
   for (const Plane& p : out) culled |= !p.overlaps && behind(p, v, tune::kTriangleBehind);
@@ -225,7 +205,7 @@ void TriangleTree::PlaneSearch::take_turn(const Entry& e, Known& known, const Ve
   known.first = -1;
 }
 
-void TriangleTree::PlaneSearch::visit(const Entry& e) {
+void TriangleTree::PlaneSearch::visit(const TreeEntry& e) {
   const int t = -1 - e.id;
   Vec3 v[3];
   tree.triangle(t, v);
@@ -245,7 +225,7 @@ void TriangleTree::PlaneSearch::visit(const Entry& e) {
 }
 
 // Are there planes enough to move some way with, everything nearer than `next` being settled?
-bool TriangleTree::PlaneSearch::too_many(const Entry& next) const {
+bool TriangleTree::PlaneSearch::too_many(const TreeEntry& next) const {
   const size_t n = out.size();
   return n >= tune::kMostPlanes || tests >= tune::kMostTests ||
          ((n >= tune::kManyPlanes || tests >= tune::kManyTests) &&
@@ -261,7 +241,7 @@ double TriangleTree::PlaneSearch::run() {
   double start = gap2(tree.nodes_[0].box, a.box());
   if (start <= reach * reach) s.queue.push(start, 0);
   while (!s.queue.heap.empty()) {
-    const Entry e = s.queue.pop();
+    const TreeEntry e = s.queue.pop();
     if (too_many(e)) return std::min(reach, std::sqrt(e.d2));
     if (e.id >= 0)
       open(e);
@@ -284,7 +264,7 @@ double TriangleTree::planes(const PosedShape& a, double reach, std::vector<Plane
 // triangle, and so no nearer than the best.
 struct TriangleTree::DistanceSearch {
   struct Scratch {
-    Queue queue;
+    TreeQueue queue;
     std::vector<Plane> measured;
   };
   const TriangleTree& tree;
@@ -336,7 +316,7 @@ struct TriangleTree::DistanceSearch {
     }
     push(0);
     while (!s.queue.heap.empty() && best >= enough) {
-      Entry e = s.queue.pop();
+      TreeEntry e = s.queue.pop();
       if (e.d2 > 0 && (best <= 0 || e.d2 > best * best)) break;
       const Node& node = tree.nodes_[e.id];
       if (node.left < 0) {

@@ -4,7 +4,7 @@
 
 namespace hp {
 
-namespace tune = tuning::footing;
+namespace footing_tune = tuning::footing;
 
 namespace {
 
@@ -21,10 +21,10 @@ void limit_root_force(const System& system, Drive& d, double above) {
   d.root_force.on = d.footing.over_ground() && !d.limits.empty();
   if (!d.root_force.on) return;
   const double weight = norm(system.gravity) * system.model.carried[d.body(0)];
-  const bool stands = d.carried || (d.footing.on_ground() && above < tune::kOnGround);
-  const double push = d.sits ? d.limits[0] : std::min(d.limits[0], tune::kPush * weight);
-  d.root_force.across = stands ? push : tune::kInTheAir;
-  d.root_force.up = stands ? d.limits[0] : tune::kInTheAir;
+  const bool stands = d.carried || (d.footing.on_ground() && above < footing_tune::kOnGround);
+  const double push = d.sits ? d.limits[0] : std::min(d.limits[0], footing_tune::kPush * weight);
+  d.root_force.across = stands ? push : footing_tune::kInTheAir;
+  d.root_force.up = stands ? d.limits[0] : footing_tune::kInTheAir;
   d.root_force.down = weight;
   d.root_force.falls = !stands;
 }
@@ -37,7 +37,7 @@ void go_round(const System& system, Drive& d, const double* qpos, const double* 
   const Vec3 at = load3(qpos + d.first_qpos()), to = load3(target);
   const Vec3 off{to.x - at.x, to.y - at.y, 0};
   const bool may = s.recover_root && !d.sits && footing.on_ground() && d.motion.eager > 0;
-  if (!may || norm(off) < tune::kOffPath || !(footing.way.on() || touched(d))) {
+  if (!may || norm(off) < footing_tune::kOffPath || !(footing.way.on() || touched(d))) {
     footing.way.clear();
     return;
   }
@@ -45,19 +45,20 @@ void go_round(const System& system, Drive& d, const double* qpos, const double* 
   if (!footing.way.on()) return;
   const Vec3 way{next.x - at.x, next.y - at.y, 0};
   const Vec3 motion = (1 / dt) * (to - load3(d.motion.target().data()));
-  const double speed = d.clock.eager() * footing.pace(way) *
-                       std::max(s.root_speed, tune::kCatchesUp * std::sqrt(motion.x * motion.x +
-                                                                           motion.y * motion.y));
+  const double speed =
+      d.clock.eager() * footing.pace(way) *
+      std::max(s.root_speed,
+               footing_tune::kCatchesUp * std::sqrt(motion.x * motion.x + motion.y * motion.y));
   d.motion.goes_round = true;
-  d.motion.goes = (speed / std::max(norm(way), tune::kReached)) * way;
+  d.motion.goes = (speed / std::max(norm(way), footing_tune::kReached)) * way;
 }
 
 // Who is blocked comes back to the pose of the motion slowly, so that it does not kick itself off.
 void yield(const System& system, Drive& d) {
   d.yields.clear();
   if (!d.clock.blocked()) return;
-  d.yields = return_rates(d, tune::kYieldSpeed, system.joint_reach);
-  d.yields[0] = tune::kYieldTurn;
+  d.yields = return_rates(d, footing_tune::kYieldSpeed, system.joint_reach);
+  d.yields[0] = footing_tune::kYieldTurn;
 }
 
 // How fast a frame towards `target` moves the root [m/s]: a turn counts at kTurnArm.
@@ -65,7 +66,7 @@ double root_speed(const Drive& d, const double* target, double dt) {
   const double* before = d.motion.target().data();
   const int turn = d.balls()[0].qpos;
   const double way = norm(load3(target) + Vec3{0, 0, d.footing.height()} - load3(before));
-  return (way + tune::kTurnArm * norm(rotation_between(before + turn, target + turn))) / dt;
+  return (way + footing_tune::kTurnArm * norm(rotation_between(before + turn, target + turn))) / dt;
 }
 
 }  // namespace
@@ -106,7 +107,7 @@ bool Aiming::deeper(const std::vector<Depth>& before, const std::vector<Depth>& 
       if (b.person == now.person && b.other_static == now.other_static &&
           b.other_tree == now.other_tree)
         was = std::max(was, b.depth);
-    if (now.depth > was + tune::kDeeperAtStart) return true;
+    if (now.depth > was + footing_tune::kDeeperAtStart) return true;
   }
   return false;
 }
@@ -140,7 +141,7 @@ void Aiming::begin(System& system, Data& data, const double* targets, double dt)
     Vec3 displaced = d.motion.displaced(s, targets, dt, state.qpos.data());
     // Who has been lifted onto something stands there, and not on what is below; who rests on soft layers
     // is as high as they have it.
-    const bool lifted = d.carried && displaced.z > tune::kRaised;
+    const bool lifted = d.carried && displaced.z > footing_tune::kRaised;
     if (d.footing.on() && (lifted || d.footing.layers.carry())) {
       const double by = lifted ? displaced.z : d.footing.sink(displaced.z);
       d.footing.raise(by);
@@ -200,7 +201,7 @@ void Aiming::end(System& system, const FrameResult& result) {
   std::vector<char> aside(system.model.nbody, 0);
   auto look = [&](int shape, Vec3 impulse) {
     if (shape < 0 || !(norm2(impulse) > 0)) return;
-    if (impulse.z > tune::kHeldUp * norm(impulse))
+    if (impulse.z > footing_tune::kHeldUp * norm(impulse))
       up[system.tree(shape)] += impulse.z;
     else
       aside[system.tree(shape)] = 1;
@@ -213,7 +214,7 @@ void Aiming::end(System& system, const FrameResult& result) {
     const double weight = norm(system.gravity) * system.model.carried[d.body(0)];
     const double dt = d.motion.frame_length();
     // Who comes to sit presses as little on the seat, at first.
-    d.carried = up[d.body(0)] > (d.sits ? 0 : tune::kCarriedShare) * dt * weight;
+    d.carried = up[d.body(0)] > (d.sits ? 0 : footing_tune::kCarriedShare) * dt * weight;
     d.footing.wading.pushed(aside[d.body(0)], dt);
   }
 }

@@ -8,7 +8,7 @@
 
 namespace hp {
 
-namespace tune = tuning::footing;
+namespace footing_tune = tuning::footing;
 
 namespace {
 
@@ -49,15 +49,16 @@ Vec3 feet_moment(OnLayers& layers, const Whole& body, Vec3 centre, Vec3 spring, 
   const OnLayers::Feet& feet = layers.feet();
   if (!feet.on) {
     layers.feet_carry(0);
-    return (tune::kLyingRate * tune::kLyingRate) * spring;
+    return (footing_tune::kLyingRate * footing_tune::kLyingRate) * spring;
   }
   const double weight = body.mass * gravity;
   Vec3 lever{feet.centre.x - centre.x, feet.centre.y - centre.y, 0};
   const double length = std::max(norm(lever), 1e-9);
   const Vec3 ahead = (1 / length) * lever, about{ahead.y, -ahead.x, 0};
-  spring = (tune::kSeatedRate * tune::kSeatedRate) * spring;
-  const double more = dot(spring, about) / (weight * std::max(length, tune::kShortestLever));
-  const double share = std::clamp(feet.legs + more, 0.0, tune::kMostOnFeet);
+  spring = (footing_tune::kSeatedRate * footing_tune::kSeatedRate) * spring;
+  const double more =
+      dot(spring, about) / (weight * std::max(length, footing_tune::kShortestLever));
+  const double share = std::clamp(feet.legs + more, 0.0, footing_tune::kMostOnFeet);
   layers.feet_carry(share);
   const double roll = weight * share * feet.breadth;
   return (weight * share * length) * about + std::clamp(dot(spring, ahead), -roll, roll) * ahead;
@@ -75,9 +76,10 @@ double feet_away(const Drive& d, const Kinematics& kin, Vec3 centre) {
 // would fall off its seat in the end, and over feet that are below it (`away` from there), as who squats.
 double turns_freely(const OnLayers& layers, Vec3 up, double leans, double away) {
   if (layers.feet().on) return 1;
-  const double squats = fades(away, tune::kSquats, tune::kSitsBehind);
-  return std::max(fades(std::fabs(up.z), tune::kLiesFlat, tune::kSitsUp),
-                  (1 - squats) * fades(leans, tune::kLeansFreely, tune::kLeansHeld));
+  const double squats = fades(away, footing_tune::kSquats, footing_tune::kSitsBehind);
+  return std::max(
+      fades(std::fabs(up.z), footing_tune::kLiesFlat, footing_tune::kSitsUp),
+      (1 - squats) * fades(leans, footing_tune::kLeansFreely, footing_tune::kLeansHeld));
 }
 
 }  // namespace
@@ -120,7 +122,7 @@ void balance_on_layers(System& system, Data& data, Drive& d, double h) {
   const double share = h / d.scale(system.drive_settings, h);
   const Change free = pushed(body, -linear, turns * (share * held - angular));
   const Vec3 w = to_matrix(conjugate(data.state.pose.kin.xquat[root])) * free.w;
-  const double keeps = elementary::exp(-tune::kLayerDamping * h);
+  const double keeps = elementary::exp(-footing_tune::kLayerDamping * h);
   for (int c = 0; c < 6; c++) {
     const int i = first + c;
     const double alone = reference[i] + keeps * (kept[i] - reference[i]);

@@ -4,7 +4,7 @@
 
 namespace hp {
 
-namespace tune = tuning::footing;
+namespace footing_tune = tuning::footing;
 
 void ReferenceClock::reset(const PersonDofs& dofs, const double* target) {
   reached_.assign(target, target + dofs.qpos_count());
@@ -20,28 +20,30 @@ void ReferenceClock::decide(Vec3 displaced, bool touched, bool stands, bool roun
   Vec3 way = load3(next.qpos.data()) - load3(reached_.data());
   way.z = 0;
   const double length = norm(way), speed = length / next.time;
-  const double behind = speed > tune::kStill ? -dot(displaced, way) / length : 0;
-  const double most = rate_ + tune::kSpeedUp * dt, most_eager = eager_ + tune::kSpeedUp * dt;
+  const double behind = speed > footing_tune::kStill ? -dot(displaced, way) / length : 0;
+  const double most = rate_ + footing_tune::kSpeedUp * dt,
+               most_eager = eager_ + footing_tune::kSpeedUp * dt;
   untouched_ = touched ? 0 : untouched_ + dt;
   rate_ = std::min(1.0, most), eager_ = std::min(1.0, most_eager);
-  if (behind < tune::kBehind) impatient_ = false, waited_ = 0;
-  if (behind >= tune::kBehind && round) impatient_ = true;
+  if (behind < footing_tune::kBehind) impatient_ = false, waited_ = 0;
+  if (behind >= footing_tune::kBehind && round) impatient_ = true;
   const double late = lag();
-  if (behind < tune::kBehind && !touched && late > tune::kLate)
-    rate_ = std::min(tune::kCatchUp, most);
-  if (behind < tune::kBehind || (!touched && waited_ == 0) || impatient_) return;
-  const double share = std::max(0.0, (tune::kBlocked - behind) / (tune::kBlocked - tune::kBehind));
+  if (behind < footing_tune::kBehind && !touched && late > footing_tune::kLate)
+    rate_ = std::min(footing_tune::kCatchUp, most);
+  if (behind < footing_tune::kBehind || (!touched && waited_ == 0) || impatient_) return;
+  const double share = std::max(
+      0.0, (footing_tune::kBlocked - behind) / (footing_tune::kBlocked - footing_tune::kBehind));
   waited_ += (1 - share) * dt;
-  impatient_ = waited_ > tune::kPatience;
-  if (untouched_ < tune::kTriesAgain) eager_ = std::min(share, most_eager);
-  rate_ = std::min(stands ? share : std::max(share, tune::kSlowest), most);
-  rate_ = std::max(rate_, std::min(1.0, late - (tune::kLatest - 1)));
+  impatient_ = waited_ > footing_tune::kPatience;
+  if (untouched_ < footing_tune::kTriesAgain) eager_ = std::min(share, most_eager);
+  rate_ = std::min(stands ? share : std::max(share, footing_tune::kSlowest), most);
+  rate_ = std::max(rate_, std::min(1.0, late - (footing_tune::kLatest - 1)));
 }
 
 void ReferenceClock::move_on(const PersonDofs& dofs, double time) {
   while (!ahead_.empty() && time > 0) {
     Asked& next = ahead_.front();
-    if (next.time <= time * (1 + tune::kSameTime)) {
+    if (next.time <= time * (1 + footing_tune::kSameTime)) {
       time -= next.time;
       reached_.swap(next.qpos);
       ahead_.pop_front();

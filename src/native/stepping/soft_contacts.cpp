@@ -9,7 +9,7 @@
 
 namespace hp {
 
-namespace tune = tuning::soft;
+namespace soft_tune = tuning::soft;
 
 void SoftContacts::finish(const System& system) {
   pairs_.finish(system);
@@ -54,7 +54,7 @@ void SoftContacts::gather(const System& system, Data& data) {
     if (pair.stamp != start.stamp || pair.reach < reach) {
       find_near(system.world, system.soft, cells_, start, reach, SoftPairs::travelled(system, pair),
                 pair);
-      data.budget.spend(tune::kSampleWork * system.soft.samples_of(pair.shape).size());
+      data.budget.spend(soft_tune::kSampleWork * system.soft.samples_of(pair.shape).size());
     }
     if (pair.near.empty()) continue;
     ContactCandidate c;
@@ -104,7 +104,7 @@ bool SoftContacts::stiff(const System& system, Data& data, SoftPair& pair, doubl
   double mass = system.model.mass[system.world.shapes[pair.shape].body];
   if (pair.other_shape >= 0)
     mass = std::min(mass, system.model.mass[system.world.shapes[pair.other_shape].body]);
-  return firmness > tune::kStiffBounce * mass;
+  return firmness > soft_tune::kStiffBounce * mass;
 }
 
 void SoftContacts::list_members(const Group& group) {
@@ -192,16 +192,16 @@ bool SoftContacts::measure(const System& system, Data& data, double h, const Gro
   for (int i = group.first; i < group.end; i++) {
     SoftPair& pair = pairs_[active_[i].pair];
     find_depths(system.world, system.soft, data.step.end, SoftPairs::way(system, data, pair), pair);
-    data.budget.spend(tune::kSampleWork * (double)pair.near.size());
+    data.budget.spend(soft_tune::kSampleWork * (double)pair.near.size());
     find_pressures(rule, h, pair);
   }
   const PairImpulse now = total_impulse(rows_of(group).members, rule, h, to - from, to);
   // The rows lie where the layer was when they were made.
   const PairImpulse was = applied(group, from);
-  const double share = rule == Rule::Mean ? tune::kRightShare : tune::kRightShareDriven;
-  const double allowed = share * std::max(now.size, was.size) + tune::kRightImpulse;
+  const double share = rule == Rule::Mean ? soft_tune::kRightShare : soft_tune::kRightShareDriven;
+  const double allowed = share * std::max(now.size, was.size) + soft_tune::kRightImpulse;
   return norm(now.force - was.force) <= allowed &&
-         norm(now.moment - was.moment) <= allowed * std::max(now.lever, tune::kLeastLever);
+         norm(now.moment - was.moment) <= allowed * std::max(now.lever, soft_tune::kLeastLever);
 }
 
 void SoftContacts::look(const System& system, Data& data, double h, bool first) {
@@ -212,7 +212,7 @@ void SoftContacts::look(const System& system, Data& data, double h, bool first) 
     if (!progress.open()) continue;
     group.guessed = false;
     // Whatever the budget, layers push: without a first solve their rows would be missing.
-    const bool again = progress.pass < tune::kMostLooks && (first || !data.budget.out());
+    const bool again = progress.pass < soft_tune::kMostLooks && (first || !data.budget.out());
     const bool right =
         !(first && again && guess(system, data, h, group)) && measure(system, data, h, group);
     if (!right && again) progress.violated = true;
@@ -255,7 +255,7 @@ void SoftContacts::add_rows(const System& system, Data& data, const Group& group
     if (group.guessed) return dot(c.n, group.twist.v + cross(group.twist.w, c.position));
     return approach(system.model, start.kin, c, twists, data.step.v);
   };
-  maker_.make(system, start, rule, person ? tune::kFirmTurn : 0, its, parting, rows_);
+  maker_.make(system, start, rule, person ? soft_tune::kFirmTurn : 0, its, parting, rows_);
 }
 
 void SoftContacts::push_row(const System& system, Data& data, const Contact& c) {

@@ -9,7 +9,7 @@
 
 namespace hp {
 
-namespace tune = tuning::soft;
+namespace soft_tune = tuning::soft;
 
 namespace {
 
@@ -95,7 +95,7 @@ namespace {
 int bearing_body(const System& system, int shape) {
   const Model& m = system.model;
   int body = system.world.shapes[shape].body;
-  const double least = tune::kSmallPart * m.carried[m.root[body]];
+  const double least = soft_tune::kSmallPart * m.carried[m.root[body]];
   while (m.mass[body] < least && body != m.root[body]) body = m.parent[body];
   return body;
 }
@@ -129,7 +129,7 @@ bool SoftPairs::near(const System& system, Data& data, SoftPair& pair, double re
   if (pair.other_shape >= 0) return room(system, data.state.pose, pair, 0) < range;
   const double gone = system.world.broad_phase.travelled(pair.shape);
   if (pair.room < 0 || pair.room - (gone - pair.room_at) < range) {
-    pair.room = std::max(0.0, room(system, data.state.pose, pair, range + tune::kRoomMargin));
+    pair.room = std::max(0.0, room(system, data.state.pose, pair, range + soft_tune::kRoomMargin));
     pair.room_at = gone;
   }
   return pair.room < range;

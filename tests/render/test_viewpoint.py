@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from halfphysics.geometry.shapes import Box
+from halfphysics.render import viewpoint
 from halfphysics.render.rasterizer import Camera
 from halfphysics.render.result_meshes import Drawing
 from halfphysics.render.viewpoint import (
@@ -63,6 +64,43 @@ def test_the_direction_is_not_through_a_wall(side):
         camera = Camera.framing(points, direction, size=SIZE, fov=FOV)
         shares.append(look_at(drawing.surfaces(frame), camera, SIZE).share)
     assert np.mean(shares) > 0.8
+
+
+WALL, ASIDE = (8, 0.1, 2.6), (0.1, 8, 2.6)
+
+
+@pytest.mark.parametrize(
+    "walls",
+    [
+        (),
+        ((WALL, (0, -1.5, 1.3)),),
+        (((8, 0.1, 1.0), (0, -1.2, 0.5)), (ASIDE, (2.0, 0, 1.3))),
+        ((WALL, (0, -1.2, 1.3)), (WALL, (0, 1.2, 1.3)), (ASIDE, (2.5, 0, 1.3))),
+    ],
+)
+def test_the_best_of_all_directions_is_found_with_few_pictures(walls, monkeypatch):
+    drawing, frames = walled(*walls), [0, 15]
+    ways, apart = viewpoint.facing(drawing, frames), viewpoint._apart(drawing, frames)
+    every = []
+    for elevation in viewpoint._ELEVATIONS:
+        for azimuth in range(viewpoint._AZIMUTHS):
+            towards, rest = viewpoint._candidate(elevation, azimuth, ways, apart)
+            shares = []
+            for frame in frames:
+                points = subject(drawing, frame, drawing.story(frame))
+                camera = Camera.framing(points, towards, size=(96, 96), fov=FOV)
+                shares.append(look_at(drawing.surfaces(frame), camera, (96, 96)).share)
+            open_ = min(float(np.mean(shares)), viewpoint._ENOUGH)
+            every.append((viewpoint._OPEN * open_ + rest, towards))
+    looks = []
+    monkeypatch.setattr(viewpoint, "look_at", lambda *a: looks.append(a) or look_at(*a))
+    chosen = choose_direction(drawing, frames, SIZE)
+    best = max(score for score, _ in every)
+    first = next(towards for score, towards in every if score > best - 1e-9)
+    np.testing.assert_allclose(chosen, first / np.linalg.norm(first), atol=1e-12)
+    if not walls:
+        # Two frames from four directions that are alike: half left and right, at two heights.
+        assert len(looks) <= 8
 
 
 def test_the_person_is_seen_from_the_front():

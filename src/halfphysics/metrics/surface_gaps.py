@@ -30,7 +30,6 @@ FACING = 0.3
 _LEAST = 1e-9
 #: Every so many vertices are measured first, so that most of the others need not be.
 _SPARSE = 16
-_EXTREMES = (np.minimum, np.maximum)
 
 Whole = NDArray[np.intp]
 
@@ -195,12 +194,13 @@ def _bounds(vertices: Array, cell: NDArray[np.integer], count: int) -> tuple[Arr
     """Middle and half size (t, C, 3) of boxes around cells of the vertices (t, V, 3)."""
     order = np.argsort(cell, kind="stable")
     found, first = np.unique(cell[order], return_index=True)
-    low, high = (extreme.reduceat(vertices[:, order], first, axis=1) for extreme in _EXTREMES)
     middle = np.full((len(vertices), count, 3), 1e9)  # no vertex: far from all
     half = np.zeros_like(middle)
-    there = found >= 0
-    middle[:, found[there]] = (0.5 * (low + high))[:, there]
-    half[:, found[there]] = (0.5 * (high - low))[:, there]
+    for number, its in zip(found, np.split(order, first[1:]), strict=True):
+        if number >= 0:
+            corners = vertices[:, its]
+            low, high = corners.min(axis=1), corners.max(axis=1)
+            middle[:, number], half[:, number] = 0.5 * (low + high), 0.5 * (high - low)
     return middle, half
 
 

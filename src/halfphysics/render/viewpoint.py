@@ -34,6 +34,8 @@ _HIDES = 0.02
 _OPEN, _FRONT, _ACROSS = 2.0, 0.3, 0.3
 # Views with more than this share of the story visible are equal: hiding items become glass.
 _ENOUGH = 0.85
+# Scores that differ by less are equal: the first of them is taken.
+_EQUAL = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,25 +109,37 @@ def choose_direction(drawing: Drawing, frames: Sequence[int], size: tuple[int, i
     points = [subject(drawing, f, s) for f, s in _stories(picked, scenes)]
     ways, apart = facing(drawing, picked), _apart(drawing, picked)
     probe = _probe(size, _PROBE[0])
-    best, best_score = np.array([0.0, -1.0, 0.4]), -np.inf
-    for elevation in np.radians(_ELEVATIONS):
-        for azimuth in np.arange(_AZIMUTHS) * (2 * np.pi / _AZIMUTHS):
-            level = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
-            towards = np.cos(elevation) * level + np.sin(elevation) * np.array([0, 0, 1.0])
-            shares = [
-                look_at(scene, Camera.framing(p, towards, size=probe, fov=FOV), probe).share
-                for scene, p in zip(scenes, points, strict=True)
-            ]
-            turned = np.arccos(np.clip(ways @ level, -1.0, 1.0))
-            front = float(np.cos(turned - np.radians(_THREE_QUARTER)).mean())
-            across = (
-                float(np.linalg.norm(np.cross(apart, level), axis=1).mean()) if len(apart) else 0.0
-            )
-            score = _OPEN * min(float(np.mean(shares)), _ENOUGH) + _FRONT * front + _ACROSS * across
-            if score > best_score + 1e-9:
-                best, best_score = towards, score
+
+    def share(towards: Array) -> float:
+        shares = [
+            look_at(scene, Camera.framing(p, towards, size=probe, fov=FOV), probe).share
+            for scene, p in zip(scenes, points, strict=True)
+        ]
+        return _OPEN * min(float(np.mean(shares)), _ENOUGH)
+
+    candidates = [_candidate(e, a, ways, apart) for e in _ELEVATIONS for a in range(_AZIMUTHS)]
+    most = np.array([rest for _, rest in candidates]) + _OPEN * _ENOUGH
+    scores = np.full(len(candidates), -np.inf)
+    # Pictures are drawn for the promising ones only: in an open scene, for one.
+    for k in np.argsort(-most, kind="stable"):
+        if most[k] < scores.max() - 2.0 * _EQUAL:
+            break
+        towards, rest = candidates[k]
+        scores[k] = share(towards) + rest
+    best = candidates[int(np.argmax(scores > scores.max() - _EQUAL))][0]
     result: Array = best / np.linalg.norm(best)
     return result
+
+
+def _candidate(elevation: float, azimuth: int, ways: Array, apart: Array) -> tuple[Array, float]:
+    """A direction, and its score but for what hides the story."""
+    around, up = azimuth * (2 * np.pi / _AZIMUTHS), np.radians(elevation)
+    level = np.array([np.cos(around), np.sin(around), 0.0])
+    towards = np.cos(up) * level + np.sin(up) * np.array([0, 0, 1.0])
+    turned = np.arccos(np.clip(ways @ level, -1.0, 1.0))
+    front = float(np.cos(turned - np.radians(_THREE_QUARTER)).mean())
+    across = float(np.linalg.norm(np.cross(apart, level), axis=1).mean()) if len(apart) else 0.0
+    return towards, _FRONT * front + _ACROSS * across
 
 
 def _probe(size: tuple[int, int], width: int) -> tuple[int, int]:

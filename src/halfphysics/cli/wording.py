@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable, Collection, Mapping
 from contextvars import ContextVar
 from dataclasses import dataclass, field, fields, is_dataclass
+from functools import cache
 from typing import Any, get_args, get_type_hints
 
 
@@ -59,7 +60,7 @@ def spoken(message: str) -> str:
 def options_of(kind: Any) -> set[str]:
     """The names of a command's options, those of nested dataclasses included."""
     found: set[str] = set()
-    hints = get_type_hints(kind, include_extras=True)
+    hints = _hints(kind)
     for one in fields(kind):
         inner = hints[one.name]
         while get_args(inner) and not isinstance(inner, type):
@@ -69,6 +70,11 @@ def options_of(kind: Any) -> set[str]:
         else:
             found.add(one.name.rstrip("_"))  # `for_`: words that Python keeps for itself
     return found
+
+
+@cache  # a page of help asks for each of its lines
+def _hints(kind: Any) -> dict[str, Any]:
+    return get_type_hints(kind, include_extras=True)
 
 
 def words_of(message: str, voice: Voice) -> str:

@@ -120,7 +120,7 @@ def choose_direction(drawing: Drawing, frames: Sequence[int], size: tuple[int, i
     candidates = [_candidate(e, a, ways, apart) for e in _ELEVATIONS for a in range(_AZIMUTHS)]
     most = np.array([rest for _, rest in candidates]) + _OPEN * _ENOUGH
     scores = np.full(len(candidates), -np.inf)
-    # Pictures are drawn for the promising ones only: in an open scene, for one.
+    # Pictures are drawn for the promising ones only: in an open scene, for those that tie.
     for k in np.argsort(-most, kind="stable"):
         if most[k] < scores.max() - 2.0 * _EQUAL:
             break

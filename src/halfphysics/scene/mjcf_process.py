@@ -49,9 +49,6 @@ class CompiledModel:
         raise AttributeError(name)
 
 
-_known: dict[bytes, CompiledModel] = {}
-
-
 def compiled(
     what: str, source: dict[str, Any], *, assets: int = 0, reads_files: bool = True
 ) -> CompiledModel:
@@ -94,6 +91,9 @@ def compiled(
     if not reads_files:
         _remember(request, model)
     return model
+
+
+_known: dict[bytes, CompiledModel] = {}
 
 
 def _remember(request: bytes, model: CompiledModel) -> None:

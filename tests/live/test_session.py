@@ -64,6 +64,7 @@ def test_a_wall_stops(scene):
     assert body.joints(frame.poses["person0"])[:, 0].max() < 1.9
     assert body.joints(frame.targets["person0"])[0, 0] > 3.0
     assert felt > 0.1
+    session.stop()
 
 
 def test_the_same_poses_give_the_same_bits(scene):

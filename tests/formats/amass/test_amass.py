@@ -233,7 +233,7 @@ def test_real_clips_come_back_bit_for_bit(shared_data, tmp_path):
 
 
 def test_ten_thousand_frames_load_at_once(tmp_path):
-    """No loop runs over the frames: ten times as many take as many calls."""
+    """No loop runs over the frames: ten times as many take hardly more calls."""
 
     def steps(frames: int) -> int:
         rotations = np.tile(np.linspace(0, 0.2, 165), (frames, 1))

@@ -2,8 +2,9 @@
 
     PYTHONPATH=src:tests python -m support.files.open_hostile FOLDER [WORDS ...]
 
-prints a line of JSON for each attack: its name, seconds, MB of memory above what was held before,
-and the error ("ours": of `halfphysics.errors`). WORDS choose attacks by parts of their names.
+prints a line of JSON for each attack: its name, seconds by the clock and of a processor (`work`),
+MB of memory above what was held before, and the error ("ours": of `halfphysics.errors`). WORDS
+choose attacks by parts of their names.
 """
 
 from __future__ import annotations

@@ -101,7 +101,7 @@ class Primitive:
         k, m = corners.shape[:2]
         d = signed_distance(self.shape, corners.reshape(-1, 3)).reshape(k, m)
         if self.plane:
-            return np.flatnonzero(rows.smallest(d) <= 0.0)
+            return np.flatnonzero(~rows.every(d > 0.0))
         first = corners[:, :1]
         apart = d[:, 0] > rows.largest(rows.length(corners - first))
         left = np.flatnonzero(~apart)

@@ -63,7 +63,7 @@ def test_who_is_sent_faster_than_the_physics_is_named(monkeypatch, rate, said):
     monkeypatch.setattr(session.mailbox, "interval", lambda person: 1.0 / rate)
     assert cli_serve._fast(session) == []  # nobody sends
     monkeypatch.setattr(session.mailbox, "silence", lambda person: 0.0)
-    expected = ["person is sent at 120 Hz: --fps 120 follows evenly"] if said else []
+    expected = ["person is sent at 120 Hz: --fps 120 steps with every pose"] if said else []
     assert cli_serve._fast(session) == expected
 
 

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import pytest
 
-from halfphysics.live.clock import MOST, Clock
+from halfphysics.live.clock import MOST, Clock, shortest
 
 DT = 1.0 / 90.0
 
@@ -108,3 +108,10 @@ def test_missed_time_is_not_caught_up():
     clock.begin(False)
     assert clock.missed == 9
     assert clock.wait(False, False) == pytest.approx(DT)
+
+
+def test_the_shortest_interval_is_one_that_the_clock_still_follows():
+    skew = shortest(DT) / DT
+    steps, waits = run(1.001 * shortest(DT), 0.3 * DT, 5.0)
+    assert (steps[-1] - steps[100]) / (len(steps) - 101) == pytest.approx(DT * skew, rel=2e-3)
+    assert max(waits[200:]) < 1e-9

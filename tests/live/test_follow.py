@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from halfphysics.base import rotations as rot
-from halfphysics.live.clock import Clock
+from halfphysics.live.clock import Clock, shortest
 from halfphysics.live.follow import (
     HOLD_AFTER,
     JOINT_SPEED,
@@ -181,7 +181,7 @@ def walked(rate, speed=1.0, seconds=4.0, jitter=0.0, lost=0):
     Poses arrive up to `jitter` [s] late; of `lost` one never does.
     """
     time = [0.0]
-    clock, box = Clock(DT, lambda: time[0]), Mailbox(["ada"], lambda: time[0])
+    clock, box = Clock(DT, lambda: time[0]), Mailbox(["ada"], lambda: time[0], shortest(DT))
     follower = Follower(pose(), pose(), PELVIS, DT)
     taken = [k / rate for k in range(int(seconds * rate)) if not lost or k % lost]
     late = np.random.default_rng(0).uniform(0.0, jitter, len(taken))
@@ -211,6 +211,21 @@ def test_whoever_moves_evenly_is_followed_evenly(rate):
     assert np.abs(speeds - 1.0).max() < EVEN
     assert speeds.mean() == pytest.approx(1.0, abs=MORE)
     assert (times - places).max() < 1.0 / rate + DT
+
+
+@pytest.mark.parametrize("rate", [96, 100, 120, 144, 175, 180, 200, 240, 500])
+def test_faster_senders_are_followed_evenly(rate):
+    """They go as far in every step, however old the newest pose is, and an interval late."""
+    times, places = walked(rate).T
+    assert np.diff(places) / DT == pytest.approx(1.0, abs=1e-6)
+    assert times - places == pytest.approx(1.0 / rate, abs=1e-6)
+
+
+@pytest.mark.parametrize("rate", [100, 120, 144, 240])
+def test_of_faster_senders_jitter_is_little_in_the_target(rate):
+    """A pose that is late by a part of a step changes the speed by no more than that part."""
+    _, places = walked(rate, jitter=0.2 * DT).T
+    assert np.abs(np.diff(places) / DT - 1.0).max() < 0.2
 
 
 @pytest.mark.parametrize("rate", [30, 45, 90])

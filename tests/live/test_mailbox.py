@@ -99,6 +99,25 @@ def test_nobody_waits_for_who_has_stopped(box, clock):
     assert box.fresh(clock.now + 0.01)
 
 
+def test_nobody_waits_for_who_sends_faster_than_steps(clock):
+    box = Mailbox(("ada", "ben"), clock, least=0.009)
+    for k in range(40):
+        box.offer(pose("ada"))
+        if k % 2:
+            box.offer(pose("ben"))
+        clock.now += 0.005
+    box.take()
+    box.offer(pose("ada"))
+    assert not box.fresh(clock.now)  # the clock does not follow her
+    box.offer(pose("ben"))
+    assert box.fresh(clock.now + 0.005)  # ada's next one is not waited for
+    assert set(box.take()) == {"ada", "ben"}
+    clock.now += 0.009
+    assert box.expecting(clock.now)
+    box.offer(pose("ben"))
+    assert not box.expecting(clock.now)
+
+
 def test_silence(box, clock):
     assert box.silence("ada") == float("inf")
     box.offer(pose())

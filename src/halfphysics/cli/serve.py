@@ -34,9 +34,6 @@ halfphysics serve room.yaml --host 0.0.0.0 --token a-long-secret"""
 #: Interval between two lines about latency [s], and how often it is looked whether it ended.
 _EVERY, _LOOK = 10.0, 0.1
 
-#: Part of a step that is the interval of a sender whose rate is not that of the physics.
-_FASTER = 0.9
-
 Repeated = Annotated[tuple[str, ...], tyro.conf.UseAppendAction]
 
 
@@ -226,11 +223,13 @@ def _figures(live: LiveServer) -> str:
 
 
 def _fast(session: Session) -> list[str]:
-    """Who is sent faster than the physics steps: some poses pass unseen, at uneven steps."""
+    """Who is sent faster than the physics steps: some poses pass unseen."""
+    from halfphysics.live.clock import shortest
+
     dt, said = session.simulator.dt, []
     for name in session.people:
         interval = session.mailbox.interval(name)
-        if session.mailbox.silence(name) < _EVERY and 0.0 < interval < _FASTER * dt:
+        if session.mailbox.silence(name) < _EVERY and 0.0 < interval < shortest(dt):
             rate = 1.0 / interval
-            said.append(f"{name} is sent at {rate:.0f} Hz: --fps {rate:.0f} follows evenly")
+            said.append(f"{name} is sent at {rate:.0f} Hz: --fps {rate:.0f} steps with every pose")
     return said

@@ -3,9 +3,10 @@
 Steps are `dt` apart. A step may begin up to half of that before its time if all poses that are
 expected are there, and waits for them up to half of that after it. Its phase moves by a share of
 the difference, so that steps come to lie where poses arrive: a pose is stepped at once. The share
-is bounded, so the clock runs at most 5 % faster or slower than the wall's. The first pose after a
-pause is stepped at once, wherever it lies, and the clock takes its phase. Missed time is not caught
-up: the simulation falls behind rather than into a backlog.
+is bounded, so the clock runs at most 5 % faster or slower than the wall's. Poses that come faster
+than that have no phase to follow: there is always one, and the clock keeps its own. The first pose
+after a pause is stepped at once, wherever it lies, and the clock takes its phase. Missed time is
+not caught up: the simulation falls behind rather than into a backlog.
 """
 
 from __future__ import annotations
@@ -20,6 +21,11 @@ WINDOW, GAIN, MOST = 0.5, 0.2, 0.05
 #: A pause of the poses, after which the clock takes the phase of the next one [s]. It gains a step
 #: by that at most, so that whoever pauses on purpose speeds it up by less than `MOST`.
 PAUSE = 0.5
+
+
+def shortest(dt: float) -> float:
+    """The shortest interval of poses [s] whose phase steps of `dt` can follow."""
+    return (1.0 - MOST) * dt
 
 
 class Clock:

@@ -6,13 +6,17 @@ first pose, a tracker that was lost, a glitch), the target is
     target(t) = pose(t) * offset^(1 - ease(t / T)),
 
 with the offset that makes it continuous and a T in which a person can come that far: motion that
-goes on meanwhile passes through. Senders slower than the physics are interpolated: between two
-poses the target goes at even speed, and is as late as it must be for that,
+goes on meanwhile passes through. Senders of another rate than the physics are interpolated: the
+target goes at even speed to a pose, and is as late as it must be for that. A slower sender's is
 
     reached = arrived + (ceil(interval / dt) - 1) dt,
 
-the latest step before the next pose. Without it a person of 60 Hz would stand and leap in steps of
-90 Hz, and what they push would fly off too fast.
+the latest step before the next pose; a faster one's, whose newest pose is up to an interval old,
+
+    reached = arrived + interval.
+
+Without it a person of 60 Hz would stand and leap in steps of 90 Hz, one of 120 Hz would go one pose
+in most steps and two in others, and what they push would fly off too fast.
 """
 
 from __future__ import annotations
@@ -124,9 +128,10 @@ class Follower:
         uneven.
         """
         periods = min(interval, HOLD_AFTER) / self._dt
-        if periods <= 1.0 or abs(periods - round(periods)) <= MOST:
+        if periods == 0.0 or abs(periods - round(periods)) <= MOST:
             return max(1.0, float(round(periods)))
-        return max(1.0, math.ceil(periods) - age / self._dt)
+        late = math.ceil(periods) - 1.0 if periods > 1.0 else periods
+        return max(1.0, 1.0 + late - age / self._dt)
 
     def _completed(self, arrived: IncomingPose, gap: float) -> tuple[Array, Array]:
         """Translation and rotations, in our axes, with the joints that the sender does not give.

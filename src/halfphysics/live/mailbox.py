@@ -73,13 +73,19 @@ class Mailbox:
     Args:
         people: Names of the people that there are.
         now: The server's clock [s].
+        least: Poses that come more often than this are not waited for [s]: there is always one.
 
     Attributes:
         counts: What became of the poses.
     """
 
-    def __init__(self, people: Sequence[str], now: Callable[[], float] = time.perf_counter) -> None:
-        self._now = now
+    def __init__(
+        self,
+        people: Sequence[str],
+        now: Callable[[], float] = time.perf_counter,
+        least: float = 0.0,
+    ) -> None:
+        self._now, self._least = now, least
         self._slots = {name: _Slot() for name in people}
         self._changed = threading.Lock()
         self._wakeup = Wakeup()
@@ -131,10 +137,11 @@ class Mailbox:
             return taken
 
     def fresh(self, until: float) -> bool:
-        """Whether there is a new pose, and none is expected before `until` (server's clock)."""
+        """Whether there is a new pose, and none is expected before `until` (server's clock), of
+        senders that are waited for."""
         found = False
         with self._changed:
-            for slot in self._slots.values():
+            for slot in filter(self._awaited, self._slots.values()):
                 if slot.arrival is not None:
                     found = True
                 elif self._expected(slot) <= until:
@@ -146,7 +153,7 @@ class Mailbox:
         with self._changed:
             return any(
                 slot.arrival is None and self._expected(slot) <= until
-                for slot in self._slots.values()
+                for slot in filter(self._awaited, self._slots.values())
             )
 
     def silence(self, person: str) -> float:
@@ -156,6 +163,9 @@ class Mailbox:
     def interval(self, person: str) -> float:
         """Usual time between two poses of the person [s]; 0: unknown."""
         return self._slots[person].interval.seconds
+
+    def _awaited(self, slot: _Slot) -> bool:
+        return not 0.0 < slot.interval.seconds < self._least
 
     def _expected(self, slot: _Slot) -> float:
         """When the next pose arrives if the sender goes on; inf: it has stopped."""

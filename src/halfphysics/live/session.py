@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base.validation import shown
 from halfphysics.errors import HalfPhysicsError, InputError
-from halfphysics.live.clock import Clock
+from halfphysics.live.clock import Clock, shortest
 from halfphysics.live.edits import Editor
 from halfphysics.live.follow import Follower
 from halfphysics.live.incoming import IncomingPose, Outgoing, Stamp
@@ -142,7 +142,7 @@ class Session:
         poses = [*given, *standing[len(given) :]]
         first = self.simulator.reset(poses)
         self.now = now
-        self.mailbox = Mailbox(self.people, now)
+        self.mailbox = Mailbox(self.people, now, shortest(self.simulator.dt))
         self.clock = Clock(self.simulator.dt, now)
         self._followers = [
             Follower(pose, rest, person.body.rest_joints[0], self.simulator.dt)

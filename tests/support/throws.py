@@ -176,9 +176,7 @@ def throw(pose, kind, speed, fps, body, rng):
     shift = np.array([-ROOM - first[:, 0].max(), 0.0, 0.0])
     while True:  # back, until leaning obstacles and protruding parts are clear
         start = motion[:2].with_frames(motion[:2].translation + shift, motion[:2].rotations)
-        near = np.inf
-        for static in scene.statics.values():
-            near = min(near, judge.gap_to(static, judge.world.start([start[0]])[0]))
-        if np.isinf(near):
+        pose = judge.world.start([start[0]])[0]
+        if all(judge.surely_off(static, pose) for static in scene.statics.values()):
             return motion.with_frames(motion.translation + shift, motion.rotations), scene
         shift[0] -= 0.05

@@ -106,6 +106,17 @@ class Judge:
                     _Chunk(self, at, first, verdict, last, touch).judge()
         return verdict
 
+    def surely_off(self, static, pose):
+        """Whether boxes prove a `halfphysics.scene.scene.Static` to be farther than `NEAR` from a
+        pose (nq,): those around pieces, and around triangles."""
+        s = JudgedStatic.of(static)
+        for at in self._at(pose):
+            low, high = at.low[0] - NEAR, at.high[0] + NEAR
+            for i in np.flatnonzero(s.near(low, high)):
+                if not s.within(low[i], high[i]).behind(at.points(i, 0), (), NEAR):
+                    return False
+        return True
+
     def gap_to(self, static, pose):
         """Distance of a `halfphysics.scene.scene.Static` from a pose (nq,); inf beyond `NEAR`."""
         s, best, recent = JudgedStatic.of(static), np.inf, []

@@ -38,7 +38,7 @@ def planes(clouds, highest, guess, far, settle=False):
     for _ in range(STEPS):
         size = rows.length(nearest)
         n = nearest / np.maximum(size, TINY)[:, None]
-        heights = np.einsum("kmi,ki->km", clouds, n)
+        heights = (clouds @ n[:, :, None])[:, :, 0]
         low = clouds[np.arange(len(pair)), heights.argmin(axis=1)]
         newest = low - highest(pair, n)
         d = np.einsum("ki,ki->k", newest, n)

@@ -219,6 +219,19 @@ def test_what_goes_out_does_not_come_in_again(listen, forward, said):
         check_apart([endpoint(t, 1) for t in listen], [endpoint(t, 1) for t in forward])
 
 
+def test_this_machine_s_address_on_the_network_is_heard_by_who_listens_on_all():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as route:
+        try:
+            route.connect(("198.51.100.1", 9))  # nothing is sent
+        except OSError:
+            pytest.skip("this machine has no network")
+        own = route.getsockname()[0]
+    with pytest.raises(InputError, match="follow themselves"):
+        check_apart([endpoint("vmc:0.0.0.0:7", 1)], [endpoint(f"vmc:{own}:7", 1)])
+    check_apart([endpoint("vmc:0.0.0.0:7", 1)], [endpoint(f"vmc:{own}:8", 1)])
+    check_apart([endpoint("vmc:0.0.0.0:7", 1)], [endpoint("vmc:198.51.100.1:7", 1)])
+
+
 def test_places_of_their_own_are_fine():
     listen = [endpoint(text, 1) for text in ("vmc:0", "vmc:0", "vmc:7", "vmc:0.0.0.0:8")]
     forward = [endpoint(text, 1) for text in ("vmc:9", "vmc:10.0.0.1:7", "mocopi:10.0.0.1:8")]

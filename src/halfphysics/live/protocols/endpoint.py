@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ipaddress
+import socket
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -102,9 +103,22 @@ def _reaches(place: Endpoint, other: Endpoint) -> bool:
     """Whether what is sent to one place is heard at the other; port 0 is any free one."""
     if place.port != other.port or place.port == 0:
         return False
-    if other.host in _ALL and (place.is_local or place.host in _ALL):
+    if other.host in _ALL and (place.is_local or place.host in _ALL or _is_own(place.host)):
         return True
     return not _addresses(place.host).isdisjoint(_addresses(other.host))
+
+
+def _is_own(host: str) -> bool:
+    """Whether an address is one of this machine's: only to those can a socket be bound."""
+    if not _is_address(host) or ipaddress.ip_address(host).is_multicast:
+        return False
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    try:
+        with socket.socket(family, socket.SOCK_DGRAM) as trial:
+            trial.bind((host, 0))
+    except OSError:
+        return False
+    return True
 
 
 def _addresses(host: str) -> set[str]:

@@ -234,7 +234,9 @@ def test_this_machine_s_address_on_the_network_is_heard_by_who_listens_on_all():
 
 def test_places_of_their_own_are_fine():
     listen = [endpoint(text, 1) for text in ("vmc:0", "vmc:0", "vmc:7", "vmc:0.0.0.0:8")]
-    forward = [endpoint(text, 1) for text in ("vmc:9", "vmc:198.51.100.1:7", "mocopi:198.51.100.1:8")]
+    forward = [
+        endpoint(text, 1) for text in ("vmc:9", "vmc:198.51.100.1:7", "mocopi:198.51.100.1:8")
+    ]
     check_apart(listen, forward)
     check_apart([endpoint("vmc:7", 1)], [endpoint("vmc:[::1]:7", 1)])
 

@@ -13,7 +13,7 @@ import sys
 
 import pytest
 
-from support.files.hostile_files import ATTACKS, HARMLESS
+from support.files.hostile import ATTACKS, HARMLESS
 from support.paths import TESTS
 
 pytestmark = [

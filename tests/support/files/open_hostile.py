@@ -20,7 +20,7 @@ import halfphysics as hp
 from halfphysics.base.machine import limit_memory
 from halfphysics.errors import HalfPhysicsError
 from halfphysics.scene import mjcf_process
-from support.files.hostile_files import ATTACKS, HARMLESS
+from support.files.hostile import ATTACKS, HARMLESS
 
 #: What this process may allocate, so that an attack that succeeds does not take the machine along.
 MEMORY = 4 * 2**30

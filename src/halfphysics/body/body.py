@@ -60,6 +60,7 @@ class Body(InNotebook, ReadOnly):
         hands_components: Their principal components, shape (2, 45, 45), or None.
         source: (path, sha256) of the model file, or None for the default body.
         template_source: (path, sha256) of a per-subject template, or None.
+        given_template: Whether an array was the template: no file has this person.
         mean_vertices: Skin of the model's mean shape at rest [m], shape (V, 3), or None: the
             basis of all data that must not depend on the shape.
         mean_joints: Joints of the mean shape [m], shape (55, 3), or None.
@@ -81,6 +82,7 @@ class Body(InNotebook, ReadOnly):
     hands_components: Array | None = None
     source: Source | None = None
     template_source: Source | None = None
+    given_template: bool = False
     mean_vertices: Array | None = None
     mean_joints: Array | None = None
     given_mass: float | None = None
@@ -210,6 +212,7 @@ class Body(InNotebook, ReadOnly):
             hands_components=space.hands_components,
             source=space.source,
             template_source=space.template_source,
+            given_template=space.given_template,
             mean_vertices=mean_vertices,
             mean_joints=mean_joints,
         )

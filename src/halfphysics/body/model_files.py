@@ -18,7 +18,7 @@ from halfphysics.base.npz_objects import NpzObjects
 from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.body.model_paths import GENDERS, find_model, gender_of
 from halfphysics.body.shape_space import ShapeSpace, Source
-from halfphysics.errors import FileError, InputError
+from halfphysics.errors import FileError, HalfPhysicsError, InputError
 from halfphysics.geometry.mesh_file_checks import FolderResolver, check_mesh_file
 from halfphysics.motion.skeleton import (
     JOINT_INDEX,
@@ -72,9 +72,10 @@ def read_model(
     layout = _LAYOUTS[found]
     _check_tree(fields, layout)
     template_source = None
-    if v_template is not None:
+    if v_template is None:
+        _check_size(template, str(file), FileError)
+    else:
         template, template_source = _template(v_template, count)
-    _check_size(template, template_source.path if template_source else file)
     space = ShapeSpace(
         model=found,
         gender=gender or named or fields.gender() or "unknown",
@@ -90,6 +91,7 @@ def read_model(
         ),
         source=_source(file),
         template_source=template_source,
+        given_template=v_template is not None and template_source is None,
     )
     clock.done("read the body model %s", file)
     return space
@@ -113,11 +115,11 @@ def _model_of(fields: _Fields, weights: Array, model: str | None) -> str:
     return found
 
 
-def _check_size(template: Array, file: str | Path) -> None:
-    size = np.ptp(template, axis=0).max()
+def _check_size(template: Array, name: str, kind: type[HalfPhysicsError]) -> None:
+    size = np.ptp(template, axis=0).max() if len(template) else 0.0
     if not 0.3 < size < 4.0:
-        raise FileError(
-            f"{file}: the template is {size:g} long, "
+        raise kind(
+            f"{name}: the template is {size:g} long, "
             "expected a person in metres (0.3 to 4). Scale it"
         )
 
@@ -330,6 +332,7 @@ def _template(
         )
     if not np.isfinite(vertices).all():
         raise InputError(f"{name}: found NaN or infinity, expected vertices in metres")
+    _check_size(vertices, name, InputError if source is None else FileError)
     return vertices, source
 
 

@@ -42,6 +42,7 @@ class ShapeSpace:
         hands_components: Their principal components, shape (2, 45, 45), rows; or None.
         source: The file, or None for the default body.
         template_source: The file of a per-subject template, if one replaced the mean.
+        given_template: Whether an array replaced the mean: no file has this person.
     """
 
     model: str
@@ -56,6 +57,7 @@ class ShapeSpace:
     hands_components: Array | None = None
     source: Source | None = None
     template_source: Source | None = None
+    given_template: bool = False
 
     def __post_init__(self) -> None:
         for field in dataclasses.fields(self):  # so bodies share them and copy nothing

@@ -119,6 +119,7 @@ class BodyRecord:
                 "bones": _bones_document(body),
                 "source": _source(body.source),
                 "template_source": _source(body.template_source),
+                **({"template": IN_MEMORY} if body.given_template else {}),
             },
             "this session",
         )
@@ -151,11 +152,13 @@ class BodyRecord:
             raise FileError(
                 f"{self.origin}: the {self.data['model']} body came from no file. {_MEND_BODY}"
             )
-        template = self.data["template_source"]
+        if "template" in self.data:
+            raise FileError(f"{self.origin}: the body's template came from no file. {_MEND_BODY}")
+        template, gender = self.data["template_source"], self.data["gender"]
         return Body.load(
             self._unchanged(self.data["source"], "body model"),
             betas=betas,
-            gender=self.data["gender"],
+            gender=None if gender == "unknown" else gender,
             v_template=None if template is None else self._unchanged(template, "template"),
             mass=mass,
         )

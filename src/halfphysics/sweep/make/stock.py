@@ -138,7 +138,7 @@ class Stock:
             return Body.load(
                 source.path,
                 betas=_with_betas(own.betas, betas, "subject's body"),
-                gender=own.gender,
+                gender=None if own.gender == "unknown" else own.gender,
                 v_template=None if template is None else template.path,
             )
 

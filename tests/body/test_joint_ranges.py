@@ -9,6 +9,7 @@ import halfphysics as hp
 from halfphysics.base import rotations as rot
 from halfphysics.body.joint_ranges import JointRanges, from_swing_twist, swing_twist
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
+from support.files.model_files import fields, write_npz
 
 TWIST, FLEXION, ABDUCTION = range(3)
 #: Joint, angle, a point that moves with it, and the direction that a positive turn takes the point.
@@ -113,3 +114,13 @@ def test_what_the_reference_asks_is_no_excess(ranges):
     assert np.degrees(ranges.excess(own, asked)[0, j, FLEXION]) == pytest.approx(5.0)
     asked[0, j] = 0.0
     assert np.degrees(ranges.excess(own, asked)[0, j, FLEXION]) == pytest.approx(10.0)
+
+
+def test_a_body_without_fingers_has_ranges(tmp_path):
+    """SMPL's: its fingers are where the wrists are, and nothing is beyond at rest."""
+    body = hp.Body.load(write_npz(tmp_path / "smpl.npz", fields("smpl", columns=10)))
+    ranges = JointRanges.of(body)
+    np.testing.assert_allclose(
+        ranges.axes @ ranges.axes.swapaxes(1, 2), np.tile(np.eye(3), (55, 1, 1)), atol=1e-12
+    )
+    assert ranges.excess(np.zeros((55, 3)), np.zeros((55, 3))).max() == 0.0

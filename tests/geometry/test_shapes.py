@@ -179,3 +179,16 @@ def test_open_mesh_takes_its_hull_and_says_so() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         Mesh(vertices, faces).mass_properties(density=2.0)
+
+
+def test_a_mesh_that_is_inside_out_is_the_same_solid():
+    """As mirrored exports are: points are as deep in it, and its surface is open to none."""
+    cube = Mesh(*Box((1.0, 0.8, 0.6)).triangles())
+    inverted = Mesh(cube.vertices, cube.faces[:, ::-1])
+    points = np.random.default_rng(0).uniform(-0.6, 0.6, size=(200, 3))
+    assert cube.outward is cube
+    np.testing.assert_array_equal(inverted.depth(points), cube.depth(points))
+    assert inverted.depth(points).max() > 0.2
+    np.testing.assert_array_equal(inverted.outward.faces, cube.faces)
+    open_one = Mesh(cube.vertices, cube.faces[1:, ::-1])
+    assert open_one.outward is open_one

@@ -196,7 +196,10 @@ def _left_joint(name: str, joints: Array) -> _Joint:
     finger, k = name[:-1], int(name[-1])
     at = [joints[JOINT_INDEX[f"left_{finger}{i}"]] for i in (1, 2, 3)]
     bone = at[min(k, 2)] - at[min(k, 2) - 1]
-    if finger == "thumb":
+    absent = not bone.any()  # SMPL has no fingers: their joints are where the wrist is
+    if absent:
+        bone = np.array(_X)
+    if finger == "thumb" and not absent:
         flexes = np.cross(bone, joints[JOINT_INDEX["left_pinky1"]] - at[k - 1])
     else:
         flexes = np.array(_BACK) - (np.array(_BACK) @ bone) / (bone @ bone) * bone

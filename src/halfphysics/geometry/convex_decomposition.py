@@ -21,7 +21,7 @@ from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.errors import InputError
 from halfphysics.geometry import piece_cache
 from halfphysics.geometry.mesh import Mesh
-from halfphysics.geometry.mesh_parts import bridged, signed_volume, solids_of
+from halfphysics.geometry.mesh_parts import bridged, solids_of
 from halfphysics.geometry.piece_error import PieceError, piece_error
 from halfphysics.geometry.solid_cutting import pieces_of
 
@@ -78,7 +78,7 @@ def decompose(mesh: Mesh, cut: Cut) -> Decomposition:
             pieces=tuple(kept[0]), outside_mm=outside, inside_mm=inside, volume_percent=volume
         )
     clock = Stopwatch(logger)
-    made = judged(mesh, _pieces(_outward(mesh), cut))
+    made = judged(mesh, _pieces(mesh.outward, cut))
     clock.done(
         "cut a mesh of %d triangles into %d convex pieces, %.1f mm off at most",
         len(mesh.faces),
@@ -92,15 +92,8 @@ def decompose(mesh: Mesh, cut: Cut) -> Decomposition:
 
 def judged(mesh: Mesh, pieces: Sequence[Mesh]) -> Decomposition:
     """Pieces with their error against the mesh, whose holes are closed as for cutting it."""
-    whole = bridged(_outward(mesh))
+    whole = bridged(mesh.outward)
     return Decomposition(pieces=tuple(pieces), **asdict(piece_error(whole, pieces)))
-
-
-def _outward(mesh: Mesh) -> Mesh:
-    """The mesh, turned right side out where it is closed and the wrong one."""
-    if mesh.closed and signed_volume(mesh) < 0.0:
-        return Mesh(mesh.vertices, mesh.faces[:, ::-1])
-    return mesh
 
 
 def content_key(mesh: Mesh, cut: Cut) -> str:

@@ -95,9 +95,17 @@ class Mesh(ReadOnly, Shape):
         return mesh_queries.is_closed(self.faces, len(self.vertices))
 
     @cached_property
+    def outward(self) -> Mesh:
+        """The mesh, turned right side out where it is closed and inside out, as mirrored exports
+        are: the same solid."""
+        if self.closed and mesh_solids.solid_moments(self.vertices, self.faces)[0] < 0.0:
+            return Mesh(self.vertices, self.faces[:, ::-1])
+        return self
+
+    @cached_property
     def query(self) -> mesh_queries.MeshQuery:
-        """Point queries against this mesh; built once."""
-        return mesh_queries.MeshQuery(self.vertices, self.faces)
+        """Point queries against this mesh, right side out (`outward`); built once."""
+        return mesh_queries.MeshQuery(self.vertices, self.outward.faces)
 
     @cached_property
     def hull(self) -> Mesh:

@@ -277,7 +277,7 @@ def _from_mesh(mesh: Mesh, points: Array) -> tuple[Array, Array]:
         return np.zeros(0), np.zeros((0, 3))
     distance, face, closest = mesh.query.closest(points)
     out = points - closest
-    corners = mesh.vertices[mesh.faces[face]]
+    corners = mesh.vertices[mesh.outward.faces[face]]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     way = np.where(
         (distance > _LEAST)[:, None],

@@ -175,7 +175,8 @@ def _of_primitive(shape: Shape, t: float) -> SoftFrame:
 
 
 def _of_mesh(mesh: Mesh, t: float) -> SoftFrame:
-    vertices, faces = _outward(mesh)
+    mesh = mesh.outward
+    vertices, faces = mesh.vertices, mesh.faces
     made = inset(vertices, faces, t)
     if made.thickness.min() < 0.999 * t or _thin_between(mesh, t):
         vertices, faces = _finer(vertices, faces)
@@ -185,16 +186,6 @@ def _of_mesh(mesh: Mesh, t: float) -> SoftFrame:
     thickness = np.maximum(made.thickness, LEAST)
     frame = Mesh(made.vertices, faces)
     return SoftFrame(frame, vertices, made.vertices, faces, thickness)
-
-
-def _outward(mesh: Mesh) -> tuple[Array, NDArray[np.int32]]:
-    """A mesh whose faces look outward: a closed one that is inside out is turned."""
-    from halfphysics.geometry.mesh_solids import solid_moments
-
-    faces = mesh.faces
-    if mesh.closed and solid_moments(mesh.vertices, faces)[0] < 0.0:
-        faces = np.ascontiguousarray(faces[:, ::-1])
-    return mesh.vertices, faces
 
 
 def _thin_between(mesh: Mesh, t: float) -> bool:

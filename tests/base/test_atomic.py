@@ -97,6 +97,17 @@ def test_its_rights_are_those_of_any_new_file(tmp_path):
     assert stat.S_IMODE(path.stat().st_mode) == stat.S_IMODE(plain.stat().st_mode)
 
 
+@pytest.mark.skipif(os.name != "posix", reason="rights of POSIX")
+def test_a_file_that_is_written_anew_keeps_its_rights(tmp_path):
+    path = tmp_path / "private"
+    path.write_bytes(b"")
+    path.chmod(0o600)
+    with atomic_write(path) as handle:
+        handle.write(b"new")
+    assert stat.S_IMODE(path.stat().st_mode) == 0o600
+    assert path.read_bytes() == b"new"
+
+
 @pytest.mark.skipif(os.name != "posix", reason="Windows lets few make links")
 def test_a_link_is_written_through(tmp_path):
     """To a file that is there, to one that is not yet, to a folder, to nowhere, to itself."""

@@ -127,7 +127,7 @@ def test_a_file_too_large_is_not_read(folder, monkeypatch):
 def test_other_code_or_libraries_make_other_files(folder, monkeypatch):
     body = unknown()
     _ = body.variant
-    monkeypatch.setattr(body_cache, "made_by", lambda: "another version")
+    monkeypatch.setattr(body_cache, "made_by", lambda *of: "another version")
     assert body_cache.read_variant(body) is None
 
 

@@ -36,6 +36,10 @@ def test_own_values_replace_those_of_the_parts_they_name():
     assert (modulus[1:] == 5e4).all()
 
 
+def test_a_number_of_numpy_is_a_number():
+    assert SoftSkin(damping_time=np.float32(0.25)).document == {"damping_time": 0.25}
+
+
 @pytest.mark.parametrize(
     ("fields", "words"),
     [

@@ -192,3 +192,10 @@ def test_a_mesh_that_is_inside_out_is_the_same_solid():
     np.testing.assert_array_equal(inverted.outward.faces, cube.faces)
     open_one = Mesh(cube.vertices, cube.faces[1:, ::-1])
     assert open_one.outward is open_one
+
+
+def test_a_plane_keeps_a_unit_normal_to_the_last_bit():
+    normals = np.random.default_rng(1).normal(size=(200, 3))
+    for normal in normals:
+        plane = Plane(normal, 0.3)
+        assert Plane(plane.normal, plane.offset) == plane

@@ -3,6 +3,7 @@
 import mujoco
 import numpy as np
 import pytest
+import trimesh
 
 from halfphysics import Box, Plane, Scene, Settings, Simulator, Sphere, simulate
 from halfphysics.base import limited_child
@@ -10,9 +11,11 @@ from halfphysics.base import rotations as rot
 from halfphysics.body.body import Body
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
 from halfphysics.metrics import penetration
+from halfphysics.results.records import SceneRecord
 from halfphysics.results.result import Result
 from halfphysics.scenarios.acting.gait import walk
 from halfphysics.scenarios.acting.walk_plan import Walk
+from halfphysics.scene.changed import changed
 from support.doors import ACROSS, DOOR
 from support.judges.coal_scene import Watch
 from support.people import along_x
@@ -337,3 +340,75 @@ def test_a_door_goes_on_when_things_come_and_go():
         return found
 
     assert angles(True) == angles(False)
+
+
+def test_a_spec_with_meshes_comes_back_from_a_scene_elsewhere(tmp_path):
+    """To the last bit, and where its meshes have gone a result leaves it out."""
+    (tmp_path / "bot" / "meshes").mkdir(parents=True)
+    trimesh.creation.box((0.1, 0.2, 0.3)).export(tmp_path / "bot" / "meshes" / "c.obj")
+    text = DOOR.replace("<mujoco>", '<mujoco><compiler meshdir="meshes"/><asset><mesh name="c" '
+                        'file="c.obj"/></asset>').replace(
+        "</body>", '<geom type="mesh" mesh="c" mass="1.23456789"/></body>', 1)  # fmt: skip
+    (tmp_path / "bot" / "door.xml").write_text(text)
+    scene = Scene()
+    scene.add_articulated("door", mujoco.MjSpec.from_file(str(tmp_path / "bot" / "door.xml")))
+    (tmp_path / "away").mkdir()
+    scene.save(tmp_path / "away" / "scene.yaml")
+    again = Scene.load(tmp_path / "away" / "scene.yaml")
+    for one, other in zip(
+        scene.articulated["door"].links, again.articulated["door"].links, strict=True
+    ):
+        assert (one.mass, one.position.tolist()) == (other.mass, other.position.tolist())
+        assert one.inertia.tolist() == other.inertia.tolist()
+    record = SceneRecord.of(scene)
+    assert record.missing() == {}
+    (tmp_path / "bot" / "meshes" / "c.obj").unlink()
+    assert record.missing() == {"door": "c.obj is not there"}
+
+
+def test_its_mass_is_what_was_asked_for_and_stays_in_files(tmp_path):
+    scene = Scene()
+    plain = scene.add_articulated("plain", DOOR)
+    heavy = scene.add_articulated("heavy", DOOR, mass=50.0)
+    assert heavy.mass == pytest.approx(50.0)
+    factor = 50.0 / plain.mass
+    for a, b in zip(plain.links, heavy.links, strict=True):
+        np.testing.assert_allclose(b.inertia, a.inertia * (1.0 if a.fixed else factor))
+    other = changed(scene, {"plain": 20.0}, {})
+    for name in ("scene.yaml", "scene.json"):
+        other.save(tmp_path / name)
+        again = Scene.load(tmp_path / name).articulated
+        assert {n: a.mass for n, a in again.items()} == {
+            n: a.mass for n, a in other.articulated.items()
+        }
+    with pytest.raises(InputError, match="mass"):
+        scene.add_articulated("none", DOOR, mass=0.0)
+
+
+def test_links_of_plugins_are_no_links_of_the_robot():
+    text = URDF.format(inertial=INERTIAL)
+    plugin = "<gazebo><plugin><link>a</link><link>b</link><joint>c</joint></plugin></gazebo>"
+    within = text.replace("<robot", "<robot", 1)
+    at = within.index(">", within.index("<robot")) + 1
+    scene = Scene()
+    scene.add_articulated("lid", within[:at] + plugin + within[at:])
+    assert scene.articulated["lid"].link_names
+
+
+@pytest.mark.parametrize(
+    ("source", "error", "words"),
+    [
+        (b"\xff\xfe\x00", InputError, "bytes that are no text"),
+        ("no such file " * 40, FileError, "cannot be reached|there is no such file"),
+    ],
+)
+def test_sources_that_are_none(source, error, words):
+    with pytest.raises(error, match=words) as found:
+        Scene().add_articulated("it", source)
+    assert len(str(found.value)) < 900
+
+
+def test_a_text_may_begin_with_the_mark_of_its_encoding():
+    scene = Scene()
+    scene.add_articulated("door", "\ufeff" + DOOR)
+    scene.add_articulated("bytes", DOOR.encode("utf-8-sig"))

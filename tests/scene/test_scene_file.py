@@ -7,8 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
 import halfphysics as hp
+from halfphysics.base import document_tree
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
 from halfphysics.scene.scene import Scene
@@ -300,8 +302,29 @@ def test_files_far_too_long_are_not_read(tmp_path: Path) -> None:
     for name, most in (("a.json", 16), ("a.yaml", 4)):
         with (tmp_path / name).open("wb") as handle:
             handle.truncate(most * 2**20 + 1)
-        with pytest.raises(FileError, match=f"{most} MiB of text, expected at most {most}"):
+        with pytest.raises(FileError, match=f"{most}.0 MiB of text, expected at most {most}"):
             Scene.load(tmp_path / name)
+
+
+def test_what_would_be_too_long_to_be_read_is_not_written(tmp_path: Path, monkeypatch) -> None:
+    """And what is there stays."""
+    scene = Scene()
+    scene.add_static("ball", trimesh.creation.icosphere(subdivisions=3))
+    path = tmp_path / "scene.json"
+    scene.save(path)
+    size = path.stat().st_size
+    monkeypatch.setitem(document_tree._MOST_BYTES, ".json", size - 1)
+    with pytest.raises(FileError, match=r"meshes into files of their own$"):
+        scene.save(path)
+    monkeypatch.setitem(document_tree._MOST_BYTES, ".json", size)
+    monkeypatch.setattr(document_tree, "_MOST_VALUES", 100)
+    with pytest.raises(FileError, match="more than 100 values"):
+        scene.save(path)
+    monkeypatch.undo()
+    assert path.stat().st_size == size
+    np.testing.assert_array_equal(
+        Scene.load(path).statics["ball"].shape.vertices, scene.statics["ball"].shape.vertices
+    )
 
 
 def test_soft_layers_come_back(tmp_path):

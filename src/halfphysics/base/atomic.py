@@ -6,8 +6,9 @@ import contextlib
 import errno
 import os
 import re
+import secrets
 import socket
-import tempfile
+import stat
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -43,19 +44,13 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         raise FileError(f"{path}: cannot write, this is a pipe or a device. Give a file name")
     _remove_left(path)
     try:
-        descriptor, name = tempfile.mkstemp(
-            dir=path.parent, prefix=f".{path.name}.{_writer()}.", suffix=_SUFFIX
-        )
+        temporary = _made(path)
     except OSError as error:
         raise FileError(f"{path}: cannot write in {path.parent}: {reason(error)}") from None
-    os.close(descriptor)
-    temporary = Path(name)
     try:
         yield temporary
-        # mkstemp makes files private; give the rights a plain open() would.
-        umask = os.umask(0)
-        os.umask(umask)
-        temporary.chmod(0o666 & ~umask)
+        with contextlib.suppress(FileNotFoundError):  # a file that is there keeps its rights
+            temporary.chmod(stat.S_IMODE(path.stat().st_mode))
         os.replace(temporary, path)
     except OSError as error:
         raise FileError(f"{path}: cannot write: {reason(error)}") from None
@@ -79,6 +74,17 @@ def linked(path: Path) -> Path:
         raise FileError(f"{path}: cannot write, this link leads to itself. Give another name")
     nameless = path.exists() and not target.exists()  # a pipe, by way of /dev/stdout
     return path if nameless else target
+
+
+def _made(path: Path) -> Path:
+    """A new, empty file beside `path`, with the rights that a plain open() gives: those of
+    `tempfile` are private, and to ask for the process's umask is to change it for a moment."""
+    while True:
+        name = f".{path.name}.{_writer()}.{secrets.token_hex(4)}{_SUFFIX}"
+        temporary = path.with_name(name)
+        with contextlib.suppress(FileExistsError):
+            os.close(os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+            return temporary
 
 
 def _writer() -> str:

@@ -15,7 +15,7 @@ from typing import Any
 from halfphysics.errors import FileError
 
 _MAX_DEPTH = 20  # scene files and sweep files need five
-#: Text that is read [bytes], by suffix: a moving thing of an hour at 30 fps is 13 MB of JSON. YAML
+#: Text that is read [bytes], by suffix: a moving thing of an hour at 30 fps is 15 MB of JSON. YAML
 #: takes a second for each MB.
 _MOST_BYTES = {".json": 2**24, "": 2**22}
 #: Values that are read: each takes 300 bytes.
@@ -61,17 +61,13 @@ def read_tree(path: Path, keys: str) -> Entry:
     import yaml
 
     try:
-        _check_size(path)
+        _check_size(path, path.stat().st_size)
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise FileError(f"{path}: not a text file (UTF-8): {error}") from None
     except OSError as error:
         raise FileError(f"{path}: cannot be read: {error.strerror}") from None
-    if text.count(",") > _MOST_VALUES:
-        raise FileError(
-            f"{path}: more than {_MOST_VALUES} values, expected fewer. Put meshes into files of "
-            "their own"
-        )
+    _check_values(path, text)
     if path.suffix.lower() == ".json":
         document = _json(path, text)
         if len(text) > _LONG:
@@ -95,13 +91,28 @@ def read_tree(path: Path, keys: str) -> Entry:
         loader.dispose()
 
 
-def _check_size(path: Path) -> None:
-    size = path.stat().st_size
-    most = _MOST_BYTES.get(path.suffix.lower(), _MOST_BYTES[""])
+def check_readable(path: Path, text: str) -> None:
+    """That `read_tree` would read a text that is to be written to `path`; raises `FileError`."""
+    _check_size(path, len(text.encode()))
+    _check_values(path, text)
+
+
+def _check_size(path: Path, size: int) -> None:
+    suffix = path.suffix.lower()
+    most = _MOST_BYTES.get(suffix, _MOST_BYTES[""])
     if size > most:
+        faster = "" if suffix == ".json" else ", or write it as .json, which is read faster"
         raise FileError(
-            f"{path}: {size / 2**20:.0f} MiB of text, expected at most {most / 2**20:.0f}. Put "
-            "meshes into files of their own, or write it as .json, which is read faster"
+            f"{path}: {size / 2**20:.1f} MiB of text, expected at most {most / 2**20:.0f}. Put "
+            f"meshes into files of their own{faster}"
+        )
+
+
+def _check_values(path: Path, text: str) -> None:
+    if text.count(",") > _MOST_VALUES:
+        raise FileError(
+            f"{path}: more than {_MOST_VALUES} values, expected fewer. Put meshes into files of "
+            "their own"
         )
 
 

@@ -166,6 +166,14 @@ def file_path(value: object) -> Path:
     return path
 
 
+def file_bytes(path: Path) -> bytes:
+    """The content of a file that is there; raises `FileError` where the system does not give it."""
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise FileError(f"{path}: cannot be read: {error.strerror}") from None
+
+
 def several(value: T | Sequence[T]) -> list[T]:
     """One value, or a list or tuple of them, as a list."""
     return list(value) if isinstance(value, list | tuple) else [cast(T, value)]

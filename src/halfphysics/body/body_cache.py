@@ -12,11 +12,8 @@ import contextlib
 import hashlib
 import logging
 import os
-import platform
 import warnings
 from collections.abc import Mapping
-from functools import cache
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +22,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base import progress as bars
 from halfphysics.base.cache_folder import cache_folder
+from halfphysics.base.made_by import made_by
 from halfphysics.base.npz import Npz, write_npz
 from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.body.rigid_parts import Part, Variant, build_variant
@@ -43,8 +41,8 @@ Arrays = Mapping[str, NDArray[Any]]
 MOST = 256
 #: Largest size of a file that is read [bytes].
 LARGEST = 64 * 2**20
-#: Folders of the package whose code decides the numbers.
-_CODE = ("base", "body", "geometry")
+#: Folders of the package whose code decides the numbers, and files.
+_CODE, _DATA = ("base", "body", "geometry", "motion"), ("assets/body_cut.npz",)
 
 
 def variant_of(body: Body) -> Variant:
@@ -229,7 +227,7 @@ def _digest(key: str, arrays: Arrays) -> str:
 
 def _parts_key(body: Body) -> str:
     names = ("rest_vertices", "rest_joints", "faces", "weights")
-    return _digest(made_by(), {name: getattr(body, name) for name in names})
+    return _digest(made_by(_CODE, _DATA), {name: getattr(body, name) for name in names})
 
 
 def _corners_key(body: Body) -> str:
@@ -237,27 +235,4 @@ def _corners_key(body: Body) -> str:
     names = ["rest_vertices", "rest_joints", "faces", "weights"]
     names += ["mean_vertices", "mean_joints"] if mean else []
     names += [] if body.posedirs is None else ["posedirs"]
-    return _digest(made_by(), {name: getattr(body, name) for name in names})
-
-
-@cache
-def made_by() -> str:
-    """A digest of the code, the libraries and the kind of machine that the numbers depend on.
-
-    Not `base.code_hash`: that reads the whole package, which takes as long as half of a first call,
-    and a change of the core would make all bodies anew.
-    """
-    digest = hashlib.sha256(f"{platform.machine()} {np.__version__}\n".encode())
-    package = Path(__file__).parents[1]
-    for folder in _CODE:
-        for path in sorted((package / folder).glob("*.py")):
-            digest.update(path.read_bytes())
-    scipy = find_spec("scipy")  # without importing it
-    if scipy is not None and scipy.origin is not None:
-        digest.update((Path(scipy.origin).parent / "version.py").read_bytes())
-    # Libraries choose their loops by what the processor can do.
-    with contextlib.suppress(ImportError):
-        from numpy._core._multiarray_umath import __cpu_features__
-
-        digest.update(repr(sorted(__cpu_features__.items())).encode())
-    return digest.hexdigest()
+    return _digest(made_by(_CODE, _DATA), {name: getattr(body, name) for name in names})

@@ -104,6 +104,7 @@ class SoftSkin:
                     )
             object.__setattr__(self, name, values)
         check = FieldChecks(self)
+        check.plain()
         check.number("damping_time", least=0.0, most=1.0, why=" [s]")
 
     @property

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import progress as bars
+from halfphysics.base.made_by import made_by
 from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.errors import InputError
 from halfphysics.geometry import piece_cache
@@ -36,8 +37,8 @@ WARN_MM = 5.0
 #: A solid that fills its hull to this is its hull where that sticks out by at most this share of
 #: its longest extent.
 _FULL, _SEAMS = 1.03, 0.02
-#: A change of how pieces are made or measured: kept ones of another number are not used.
-_VERSION = 8
+#: What decides how pieces are made and measured: folders of the package, and other packages.
+_CODE, _ENGINES = ("base", "geometry"), ("coacd", "trimesh")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,8 +98,9 @@ def judged(mesh: Mesh, pieces: Sequence[Mesh]) -> Decomposition:
 
 
 def content_key(mesh: Mesh, cut: Cut) -> str:
-    """Differs where vertices, faces or options do."""
-    digest = hashlib.sha256(f"{_VERSION} {cut.threshold!r} {cut.max_pieces} ".encode())
+    """Differs where vertices, faces or options do, and what makes pieces of them."""
+    program = made_by(_CODE, packages=_ENGINES)
+    digest = hashlib.sha256(f"{program} {cut.threshold!r} {cut.max_pieces} ".encode())
     for array in (mesh.vertices, mesh.faces):
         digest.update(repr(array.shape).encode())
         digest.update(np.ascontiguousarray(array).tobytes())

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.cache_folder import cache_folder
+from halfphysics.base.made_by import made_by
 from halfphysics.base.npz import Npz, write_npz
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
 from halfphysics.geometry.piece_cache import trim
@@ -31,7 +32,7 @@ _MOST_FILE = 2**27
 
 def key_of(vertices: Array, faces: NDArray[np.int32], thickness: Array) -> str:
     """What an inset is kept under: it depends on the bytes of these arrays and on the program."""
-    digest = hashlib.sha256(Path(__file__).with_name("inset.py").read_bytes())
+    digest = hashlib.sha256(made_by(("base", "geometry")).encode())
     for array in (vertices, faces, thickness):
         digest.update(f"{array.dtype.str}{array.shape}".encode())
         digest.update(np.ascontiguousarray(array).tobytes())

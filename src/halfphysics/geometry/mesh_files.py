@@ -65,10 +65,10 @@ def load_mesh(
             f"{path}: unknown kind of mesh {path.suffix or '(no suffix)'!r}, expected one of "
             f"{', '.join(FORMATS)}. Convert it, for example to .glb"
         )
-    check_mesh_file(path)
     if up is None:
         up = "y" if path.suffix.lower() in Y_UP_SUFFIXES else "z"
     try:
+        check_mesh_file(path)
         digest = sha256_of(path)
         with path.open("rb") as stream, bars.bar(1, f"loading {path.name}", "file"):
             scene = trimesh.load(

@@ -32,6 +32,8 @@ __all__ = [
 
 #: Half the side of the square that represents a plane in pictures [m].
 PLANE_HALF_EXTENT = 10.0
+#: A normal whose square is this near to one has unit length: rounding.
+_UNIT = 1e-15
 
 _SEGMENTS = 32  # around the axis of round shapes, where they are triangulated
 
@@ -51,7 +53,9 @@ class Plane(Shape):
         length = np.linalg.norm(normal)
         if not length > 1e-12:
             raise InputError("Plane: normal has no length, expected a direction such as (0, 0, 1)")
-        object.__setattr__(self, "normal", tuple((normal / length).tolist()))
+        if abs(normal @ normal - 1.0) > _UNIT:  # so that a unit normal is kept to the last bit
+            normal = normal / length
+        object.__setattr__(self, "normal", tuple(normal.tolist()))
         object.__setattr__(self, "offset", number(self.offset, "Plane: offset", unit="m"))
 
     @property

@@ -53,6 +53,8 @@ class SceneRecord:
 
     def missing(self) -> dict[str, str]:
         """Items that cannot be loaded: name -> reason."""
+        from halfphysics.scene.mjcf_import import lost_files
+
         lost = {}
         for group in ("statics", "objects", "moving"):
             for name, item in self.document.get(group, {}).items():
@@ -66,6 +68,8 @@ class SceneRecord:
         for name, item in self.document.get("articulated", {}).items():
             if "file" in item and not Path(item["file"]).is_file():
                 lost[name] = f"{item['file']} is not there"
+            elif "xml" in item and (gone := lost_files(item["xml"])):
+                lost[name] = f"{', '.join(gone)} is not there"
         return lost
 
     def make(self) -> Scene:

@@ -7,7 +7,7 @@ MJCF and URDF files.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -115,7 +115,8 @@ class Articulated(ReadOnly):
     Results name its links "NAME/LINK" (`Result.objects`, `Result.names`) and its joints
     "NAME/JOINT" (`Result.joints`). Links of one articulated object do not touch each other.
     `joints` and `velocities`: start values of joints that do not start at their reference, at rest.
-    `source`: the file, or `xml`: the text from which it was made.
+    `source`: the file, or `xml`: the text from which it was made; `given_mass`: the mass of what
+    moves that was asked for [kg], None: as it stands there.
     """
 
     name: str
@@ -128,6 +129,26 @@ class Articulated(ReadOnly):
     velocities: Mapping[str, Any]
     source: MeshSource | None = None
     xml: str | None = None
+    given_mass: float | None = None
+
+    @property
+    def mass(self) -> float:
+        """Mass of the links that move [kg]."""
+        return float(sum(link.mass for link in self.links if not link.fixed))
+
+    def weighing(self, mass: float | None) -> Articulated:
+        """The same of another mass [kg]: masses and inertias of links that move are scaled evenly;
+        None: itself."""
+        if mass is None:
+            return self
+        factor = mass / self.mass
+        links = tuple(
+            link
+            if link.fixed
+            else replace(link, mass=link.mass * factor, inertia=link.inertia * factor)
+            for link in self.links
+        )
+        return replace(self, links=links, given_mass=mass)
 
     @property
     def link_names(self) -> tuple[str, ...]:

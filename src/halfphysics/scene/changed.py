@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from halfphysics.base.validation import number
 from halfphysics.errors import InputError
+from halfphysics.scene.articulated import Articulated
 from halfphysics.scene.trajectories import KinematicObject
 
 if TYPE_CHECKING:
-    from halfphysics.scene.articulated import Articulated
     from halfphysics.scene.scene import Scene
 
 
@@ -54,23 +54,13 @@ def movable(scene: Scene) -> dict[str, Any]:
 
 def mass_of(item: Any) -> float:
     """Mass of a free object, or of the movable links of an articulated object [kg]."""
-    if hasattr(item, "links"):
-        return float(sum(link.mass for link in item.links if not link.fixed))
     return float(item.mass)
 
 
 def _heavier(item: Any, mass: float) -> Any:
-    factor = mass / mass_of(item)
-    if not hasattr(item, "links"):
-        return replace(item, mass=mass, inertia=item.inertia * factor)
-    jointed: Articulated = item
-    links = tuple(
-        link
-        if link.fixed
-        else replace(link, mass=link.mass * factor, inertia=link.inertia * factor)
-        for link in jointed.links
-    )
-    return replace(jointed, links=links)
+    if isinstance(item, Articulated):
+        return item.weighing(mass)
+    return replace(item, mass=mass, inertia=item.inertia * (mass / item.mass))
 
 
 def _put(scene: Scene, item: Any) -> None:

@@ -203,7 +203,7 @@ def checked_shape(
     from halfphysics.geometry import mesh_files as meshes
 
     scale = number(scale, f"{what}: scale", above=0.0)
-    if up not in (None, "y", "z"):
+    if not (up is None or (isinstance(up, str) and up in ("y", "z"))):
         raise InputError(f"{what}: up: expected 'y', 'z' or None, found {shown(up)}")
     if isinstance(given, str | os.PathLike):
         return meshes.load_mesh(given, scale=scale, up=up)

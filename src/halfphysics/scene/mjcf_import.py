@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from halfphysics.base import rotations as rot
-from halfphysics.base.validation import number, quaternion, shown, vector
+from halfphysics.base.validation import file_bytes, file_path, number, quaternion, shown, vector
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
 from halfphysics.geometry.mesh import Mesh, MeshSource
 from halfphysics.geometry.mesh_queries import components
@@ -38,6 +38,8 @@ _GRAVITY, _ABOUT = (0.0, 0.0, -9.81), 0.02
 _FILE_KEYS = (
     "file", "filename", "fileright", "fileleft", "fileup", "filedown", "filefront", "fileback",
 )  # fmt: skip
+#: What may stand before the first element of a text: spaces, and the mark of its encoding.
+_BEFORE = " \t\r\n\ufeff"
 _DIRS = ("meshdir", "texturedir", "assetdir")
 
 
@@ -76,8 +78,12 @@ def _model(what: str, source: Any) -> tuple[CompiledModel, dict[str, Any]]:
 
     if isinstance(source, mujoco.MjSpec):
         return _of_spec(what, source.copy())
-    text = source.decode() if isinstance(source, bytes) else source
-    if isinstance(text, str) and text.lstrip().startswith("<"):
+    try:
+        text = source.decode() if isinstance(source, bytes) else source
+    except UnicodeDecodeError:
+        raise InputError(f"{what}: found bytes that are no text, expected {_SOURCES}") from None
+    if isinstance(text, str) and text.lstrip(_BEFORE).startswith("<"):
+        text = text.lstrip(_BEFORE)
         root = _checked_xml(what, text, None)
         if root.tag == "robot":
             package_files(what, root, None)
@@ -89,15 +95,15 @@ def _model(what: str, source: Any) -> tuple[CompiledModel, dict[str, Any]]:
         return model, {"xml": text}
     if not isinstance(text, str | os.PathLike):
         raise InputError(f"{what}: found {shown(source)} as source, expected {_SOURCES}")
-    path = Path(text)
+    path = file_path(text)
     if not path.is_file():
-        raise FileError(f"{what}: {path}: there is no such file, expected {_SOURCES}")
+        raise FileError(f"{what}: {shown(str(path))}: there is no such file, expected {_SOURCES}")
     if path.stat().st_size > _MOST_BYTES:
         raise FileError(
             f"{what}: {path}: {path.stat().st_size / 2**20:.0f} MiB, expected at most "
             f"{_MOST_BYTES / 2**20:.0f} MiB of MJCF or URDF"
         )
-    content = path.read_bytes()
+    content = file_bytes(path)
     try:
         root = _checked_xml(what, content.decode(), path)
     except UnicodeDecodeError:
@@ -115,9 +121,22 @@ def _model(what: str, source: Any) -> tuple[CompiledModel, dict[str, Any]]:
 
 
 def _of_spec(what: str, spec: Any) -> tuple[CompiledModel, dict[str, Any]]:
-    """Of a model that the caller made in this process."""
+    """Of a model that the caller made in this process.
+
+    The model is that of its text, which is what is saved and has six digits; unless its meshes are
+    in memory alone. The folders of those that it names are absolute there.
+    """
+    import mujoco
+
     try:
-        return of_spec(spec), {"xml": spec.to_xml()}
+        whole, text = of_spec(spec), spec.to_xml()
+        if any(_files_of(ElementTree.fromstring(text))):
+            for key in ("meshdir", "texturedir"):
+                setattr(spec, key, str((Path(spec.modelfiledir) / getattr(spec, key)).resolve()))
+            text = spec.to_xml()
+        with contextlib.suppress(ValueError, RuntimeError):
+            whole = of_spec(mujoco.MjSpec.from_string(text))
+        return whole, {"xml": text}
     except (ValueError, RuntimeError) as error:
         reason = " ".join(str(error).split())
         raise InputError(
@@ -173,8 +192,24 @@ def _named_files(root: Any, base: Path | None) -> list[Path]:
         base,
         *(base / e.get(key) for e in root.iter("compiler") for key in _DIRS if key in e.attrib),
     ]
-    names = [e.get(key) for e in root.iter() for key in _FILE_KEYS if e.get(key)]
+    names = _files_of(root)
     return [folder / name for folder in folders for n in names for name in (n, Path(n).name)]
+
+
+def _files_of(root: Any) -> list[str]:
+    """The files that a model names, as it names them."""
+    return [e.get(key) for e in root.iter() for key in _FILE_KEYS if e.get(key)]
+
+
+def lost_files(xml: str) -> list[str]:
+    """Meshes and textures that a model's text names and that are nowhere; none of what is no
+    text of a model."""
+    try:
+        root = _checked_xml("model", xml, None)
+    except InputError:
+        return []
+    found = {path.name for path in _named_files(root, Path()) if path.is_file()}
+    return sorted({name for name in _files_of(root) if Path(name).name not in found})
 
 
 def _asset_bytes(paths: Iterable[Path]) -> int:
@@ -212,7 +247,7 @@ def _check_includes(what: str, where: str, root: Any, base: Path | None, seen: l
         if target in seen or len(seen) > _MOST_INCLUDES:
             continue
         seen.append(target)
-        inner = target.read_text(encoding="utf-8", errors="replace")
+        inner = file_bytes(target).decode("utf-8", errors="replace")
         if "<!DOCTYPE" in inner or "<!ENTITY" in inner:
             raise InputError(f"{where}: found XML entities in {target}; remove them")
         try:
@@ -237,10 +272,12 @@ def _check_masses(what: str, root: Any) -> None:
 
     Links that are joined rigidly are one: one of them has to say it.
     """
-    names = {str(e.get("name")): k for k, e in enumerate(root.iter("link"))}
-    weighed = {str(e.get("name")) for e in root.iter("link") if e.find("inertial") is not None}
+    # Those of the robot itself: plugins of simulators have elements of the same names.
+    links = root.findall("link")
+    names = {name: k for k, name in enumerate(dict.fromkeys(str(e.get("name")) for e in links))}
+    weighed = {str(e.get("name")) for e in links if e.find("inertial") is not None}
     rigid, moved = [], []
-    for joint in root.iter("joint"):
+    for joint in root.findall("joint"):
         parent, child = joint.find("parent"), joint.find("child")
         if parent is None or child is None:
             continue

@@ -226,7 +226,7 @@ def _checked_start(what: str, velocity: Any, spin: Any, start: Any) -> dict[str,
         "velocity": vector(velocity, f"{what}: velocity", unit="m/s"),
         "angular_velocity": vector(spin, f"{what}: angular_velocity", unit="rad/s"),
     }
-    if start not in ("awake", "asleep"):
+    if not isinstance(start, str) or start not in ("awake", "asleep"):
         raise InputError(f"{what}: start: expected 'awake' or 'asleep', found {shown(start)}")
     if start == "asleep" and any(v.any() for v in motion.values()):
         raise InputError(

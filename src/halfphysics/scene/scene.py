@@ -270,6 +270,7 @@ class Scene(InNotebook, ReadOnly):
         restitution: float = 0.0,
         joints: Mapping[str, Any] | None = None,
         velocities: Mapping[str, Any] | None = None,
+        mass: float | None = None,
     ) -> Articulated:
         """Add links and joints from MJCF or URDF: a door, a drawer, a laptop.
 
@@ -285,6 +286,8 @@ class Scene(InNotebook, ReadOnly):
             friction, restitution: Of all its links; as for statics.
             joints: Start values of joints: name -> value [rad or m], or (4,) of a ball joint.
             velocities: Start velocities: name -> [rad/s or m/s], or (3,) of a ball joint.
+            mass: Of all links that move [kg]: their masses and inertias are scaled evenly to it.
+                None: as in the model.
 
         Raises:
             InputError: A model that cannot be used, an unknown joint, a start beyond its range.
@@ -295,9 +298,11 @@ class Scene(InNotebook, ReadOnly):
         what = checked_name(self, name, "articulated")
         pose = checked_pose(what, position, quaternion)
         material = checked_material(what, friction, restitution)
+        if mass is not None:
+            mass = number(mass, f"{what}: mass", above=0.0, unit="kg")
         item = load_articulated(
             name, source, joints=joints, velocities=velocities, **pose, **material
-        )
+        ).weighing(mass)
         self._articulated[name] = item
         return item
 
@@ -377,7 +382,7 @@ class Scene(InNotebook, ReadOnly):
         """Write a scene file (.yaml, .yml or .json); mesh files are named relative to it.
 
         Meshes that came from no file are written in full. Raises `InputError` for another suffix
-        and `FileError` if the file cannot be written.
+        and `FileError` if the file cannot be written, or would be longer than `load` reads.
         """
         from halfphysics.scene.scene_writer import save_scene
 

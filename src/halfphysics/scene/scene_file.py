@@ -65,7 +65,7 @@ _PLACED_KEYS = ("position", "quaternion", "friction", "restitution")
 _STATIC_KEYS = (*_PLACED_KEYS, "soft")
 _OBJECT_KEYS = ("mass", "density", "com", *_STATIC_KEYS, "velocity", "angular_velocity", "start")
 _MOVING_KEYS = ("positions", "quaternions", "fps", "loop", "friction", "restitution", "soft")
-_ARTICULATED_KEYS = ("file", "xml", "sha256", *_PLACED_KEYS, "joints", "velocities")
+_ARTICULATED_KEYS = ("file", "xml", "sha256", *_PLACED_KEYS, "mass", "joints", "velocities")
 _SCENE_KEYS = (
     "version",
     "gravity",
@@ -199,7 +199,7 @@ def _add_articulated(scene: Scene, name: str, entry: Entry, base: Path) -> None:
     if ("file" in given) == ("xml" in given):
         found = "both" if "file" in given else "neither"
         raise entry.error(f"expected file (path of MJCF or URDF) or xml (its text), found {found}")
-    options = {key: _READ[key](given[key]) for key in _PLACED_KEYS if key in given}
+    options = {key: _READ[key](given[key]) for key in (*_PLACED_KEYS, "mass") if key in given}
     for key in ("joints", "velocities"):
         if key in given:
             named = named_entries(given[key], "from joints to numbers")

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from halfphysics.base.atomic import atomic_write
-from halfphysics.base.document_tree import yaml_text
+from halfphysics.base.document_tree import check_readable, yaml_text
 from halfphysics.base.validation import file_path
 from halfphysics.errors import InputError
 from halfphysics.geometry.convex_decomposition import USUAL
@@ -28,12 +28,24 @@ def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
     if path.suffix.lower() not in SUFFIXES:
         raise InputError(f"{path}: found suffix {path.suffix!r}, expected {', '.join(SUFFIXES)}")
     document = scene_document(scene, path.parent)
-    if path.suffix.lower() == ".json":
-        written = json.dumps(document, indent=1, ensure_ascii=False)
-    else:
-        written = yaml_text(document)
+    written = _json_text(document) if path.suffix.lower() == ".json" else yaml_text(document)
+    written = written.rstrip() + "\n"
+    check_readable(path, written)
     with atomic_write(path) as handle:
-        handle.write((written.rstrip() + "\n").encode())
+        handle.write(written.encode())
+
+
+def _json_text(document: dict[str, Any]) -> str:
+    """JSON with a line for each item: numbers on lines of their own would be twice as long."""
+
+    def group(value: Any) -> str:
+        if not isinstance(value, dict):
+            return json.dumps(value, ensure_ascii=False)
+        lines = (f"  {json.dumps(k, ensure_ascii=False)}: {json.dumps(v, ensure_ascii=False)}"
+                 for k, v in value.items())  # fmt: skip
+        return "{\n" + ",\n".join(lines) + "\n }"
+
+    return "{\n" + ",\n".join(f' "{k}": {group(v)}' for k, v in document.items()) + "\n}"
 
 
 def scene_document(scene: Scene, base: Path | None = None) -> dict[str, Any]:
@@ -107,6 +119,8 @@ def _articulated(item: Articulated, base: Path | None) -> dict[str, Any]:
     result["position"] = item.position.tolist()
     result["quaternion"] = item.quaternion.tolist()
     result |= {"friction": item.friction, "restitution": item.restitution}
+    if item.given_mass is not None:
+        result["mass"] = item.given_mass
     for key in ("joints", "velocities"):
         if getattr(item, key):
             result[key] = dict(getattr(item, key))

@@ -243,6 +243,40 @@ def test_a_lost_pose_makes_the_ones_after_it_no_later():
     assert not (late[:-1] & late[1:]).any()
 
 
+def stepped(rate, steps, seconds, tracked=None, speed=0.0, elbow=0.0):
+    """Times and targets of so many steps a second, however fast poses come, without a clock's."""
+    time = [0.0]
+    box = Mailbox(["ada"], lambda: time[0], shortest(DT))
+    follower = Follower(pose(elbow=elbow), pose(elbow=-0.3), PELVIS, DT)
+    sent, found = 0, []
+    for step in range(1, int(seconds * steps)):
+        while sent / rate <= step / steps:
+            time[0] = sent / rate
+            known = tracked if sent > rate / 2 else None
+            box.offer(IncomingPose("ada", pose(x=speed * time[0], elbow=elbow), None, known))
+            sent += 1
+        time[0] = step / steps
+        silence, interval = box.silence("ada"), box.interval("ada")
+        target = follower.advance(box.take().get("ada"), silence, interval)
+        found.append((time[0], target))
+    return found
+
+
+def test_on_a_slow_machine_a_walk_is_no_jump():
+    """Most poses are replaced before a step: the next one is compared over all of that time."""
+    for time, target in stepped(90, steps=15, seconds=4.0, speed=2.0)[20:]:
+        assert target.translation[0] == pytest.approx(2.0 * time, abs=0.1)
+
+
+@pytest.mark.parametrize("rate", [90, 120, 500])
+def test_joints_relax_after_as_long_where_poses_are_replaced(rate):
+    tracked = np.ones(55, dtype=bool)
+    tracked[ELBOW] = False
+    found = stepped(rate, steps=90, seconds=5.0, tracked=tracked, elbow=0.8)
+    lost = [time for time, target in found if abs(target.rotations[ELBOW, 1] - 0.8) > 1e-3]
+    assert lost[0] - 0.5 == pytest.approx(RELAX_AFTER, abs=0.1)
+
+
 def test_other_axes_are_turned_into_the_start_s(follower):
     live(follower)
     axes = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])

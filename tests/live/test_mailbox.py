@@ -45,6 +45,22 @@ def test_the_newest_wins_and_the_others_are_counted(box):
     assert (box.counts.stepped, box.counts.replaced, box.counts.dropped) == (1, 2, 2)
 
 
+def test_the_gap_is_from_the_pose_that_was_taken(box, clock):
+    """Steps compare with that one, not with one that was replaced."""
+    box.offer(pose())
+    clock.now += 0.02
+    box.offer(pose())
+    assert box.take()["ada"].gap == pytest.approx(0.02)  # nobody had any before the first
+    for _ in range(3):
+        clock.now += 0.02
+        box.offer(pose())
+    assert box.take()["ada"].gap == pytest.approx(0.06)
+    assert box.interval("ada") == pytest.approx(0.02)  # of all that arrived
+    clock.now += 0.02
+    box.offer(pose())
+    assert box.take()["ada"].gap == pytest.approx(0.02)
+
+
 def test_late_ones_are_dropped(box):
     assert box.offer(pose(time=5.0)) is None
     assert box.offer(pose(time=4.9)) == "late"

@@ -32,7 +32,8 @@ class Arrival:
     Attributes:
         pose: The pose.
         received: When it arrived, by the server's clock [s].
-        gap: Time since the one before it arrived [s]; 0 for the first.
+        gap: Time since the one that a step took before it arrived [s], whatever was replaced in
+            between; 0 for the first.
     """
 
     pose: IncomingPose
@@ -196,9 +197,11 @@ class Mailbox:
             slot.interval.clear()
         else:
             slot.interval.add(gap)
+        since = gap if gap < 1e9 else 0.0
         if slot.arrival is not None:
             self.counts.replaced += 1
-        slot.arrival = Arrival(pose, now, gap if gap < 1e9 else 0.0)
+            since += slot.arrival.gap
+        slot.arrival = Arrival(pose, now, since)
         slot.source, slot.time, slot.received = pose.source, pose.time, now
 
 

@@ -92,6 +92,16 @@ def test_a_sender_s_clock_lets_nobody_jump(follower):
     assert speeds([jumped, late])[0] < 1.01 * ROOT_SPEED
 
 
+def test_another_sender_s_clock_lets_nobody_jump(follower):
+    """Who takes over at once is elsewhere, and its clock is far ahead of the one before."""
+    for k in range(30):
+        follower.advance(arrival(pose(), time=k * DT), 0.0, DT)
+    before = follower.pose
+    other = IncomingPose("ada", pose(x=2.0), 1e6, source="other")
+    after = follower.advance(Arrival(other, 0.0, DT), 0.0, DT)
+    assert speeds([before, after])[0] < 1.01 * ROOT_SPEED
+
+
 def test_the_first_pose_is_a_jump(follower):
     assert follower.tracking == "waiting"
     first = follower.advance(arrival(pose(x=2.0), gap=0.0), 0.0, 0.0)

@@ -73,6 +73,7 @@ class Follower:
         self._goal = (start.translation, start.rotations)
         self._from = self._goal
         self._k = self._n = 1.0  # steps gone of the way from `_from` to `_goal`, and all of them
+        self._source = ""  # the sender of the goal
         self._time: float | None = None  # the sender's, of the goal
         self._absent = np.zeros(N_JOINTS)  # how long joints are not tracked [s]
         self._absent[:] = np.inf
@@ -107,7 +108,8 @@ class Follower:
         before = self.pose
         goal = self._completed(arrived, gap)
         passed = max(gap, self._dt)
-        if arrived.time is not None and self._time is not None:
+        same = arrived.source == self._source  # clocks of two senders have nothing in common
+        if same and arrived.time is not None and self._time is not None:
             # Poses that were held up on their way come together. Who was away longer than they
             # can be is lost; a clock that counts milliseconds, or lies, lets nobody jump farther.
             passed = max(passed, min(arrived.time - self._time, HOLD_AFTER))
@@ -116,7 +118,8 @@ class Follower:
         steps = 1.0 if jumped else self._steps(interval, age)
         self._from = self._between() if steps > 1.0 else goal
         self._goal, self._k, self._n = goal, 0.0, steps
-        self._time, self.tracking = arrived.time, "live"
+        self._source, self._time = arrived.source, arrived.time
+        self.tracking = "live"
         if jumped:
             self._blend_from(before)
 

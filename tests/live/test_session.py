@@ -79,6 +79,29 @@ def test_the_same_poses_give_the_same_bits(scene):
     assert run() == run()
 
 
+def test_a_pose_is_as_old_as_it_is_whatever_comes_in_meanwhile(scene, monkeypatch):
+    """Another pose, just after the one of this step was taken, does not make that one new."""
+    now, ages = 10.0, []
+    session = Session(scene, now=lambda: now)
+    take, advance = session.mailbox.take, session._followers[0].advance
+
+    def taken():
+        found = take()
+        session.deliver(moved(session, "person", (0.0, 0.0, 0.0)))
+        return found
+
+    def advanced(arrival, silence, interval):
+        ages.append(silence)
+        return advance(arrival, silence, interval)
+
+    monkeypatch.setattr(session.mailbox, "take", taken)
+    monkeypatch.setattr(session._followers[0], "advance", advanced)
+    session.deliver(moved(session, "person", (0.0, 0.0, 0.0)))
+    now += 0.004
+    session.step()
+    assert ages == pytest.approx([0.004])
+
+
 def test_a_running_session_steps_in_real_time(session):
     frames, enough = [], threading.Event()
 

@@ -250,13 +250,15 @@ class Session:
             HalfPhysicsError: The simulation cannot go on from here.
         """
         self._obey()
-        arrivals = self.mailbox.take()
+        arrivals, now = self.mailbox.take(), self.now()
         targets = []
         for name, follower in zip(self.people, self._followers, strict=True):
+            arrival = arrivals.get(name)
+            # Of the pose that was taken: another may have come in since.
+            age = self.mailbox.silence(name) if arrival is None else now - arrival.received
             # By the time of the physics, which is even: steps begin with poses, early or late.
-            silence = self.mailbox.silence(name) + self.clock.early
-            interval = self.mailbox.interval(name)
-            targets.append(follower.advance(arrivals.get(name), silence, interval))
+            silence, interval = age + self.clock.early, self.mailbox.interval(name)
+            targets.append(follower.advance(arrival, silence, interval))
         self._editor.pull()
         frame = self.simulator.step(targets)
         self.frames += 1

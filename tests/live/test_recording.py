@@ -15,6 +15,7 @@ from halfphysics.live import schema
 from halfphysics.live.incoming import IncomingPose
 from halfphysics.live.recording import Recorder
 from halfphysics.live.session import Session
+from halfphysics.results.inside import Depths
 
 
 def record(session, path, frames=50, during=None):
@@ -84,6 +85,52 @@ def test_what_comes_and_goes_rests_meanwhile(session, tmp_path):
         for other in frame.contacts.other:
             assert result.names[result.contacts.other[row]] == frame.names[other]
             row += 1
+
+
+def test_overlaps_are_recorded(tmp_path):
+    """Of a crate that starts in the floor; names of later frames have other indices."""
+    scene = hp.Scene()
+    scene.add_static("floor", hp.Plane())
+    scene.add_object("sunk", hp.Box((0.3, 0.3, 0.3)), mass=1.0, position=(2, 0, 0.1))
+    session = Session(scene)
+
+    def during(k):
+        if k == 10:
+            add = schema.Add("crate", "box:0.2:0.2:0.2", 2.0, (0.0, 3.0, 1.0))
+            session.edit(add, lambda reason: None)
+
+    recorder, frames = record(session, tmp_path / "out.npz", 20, during)
+    recorder.close()
+    result = hp.Result.load(tmp_path / "out.npz")
+    assert len(result.inside.at(0)) > 0
+    for k, frame in enumerate(frames):
+        mine, got = frame.simulated.inside, result.inside.at(k)
+        for name in ("person", "part", "depth"):
+            np.testing.assert_array_equal(getattr(got, name), getattr(mine, name))
+        for name in ("subject", "other"):
+            now = [frame.names[i] for i in getattr(mine, name)]
+            assert [result.names[i] for i in getattr(got, name)] == now
+    assert len(result.breaches) == 0
+
+
+def test_breaches_and_corrections_are_recorded(session, tmp_path):
+    """None happen in a test: frames are told of some."""
+
+    def told(frame):
+        row = {"person": [1], "part": [3], "subject": [-1], "other": [1], "depth": [0.02]}
+        odd = {"breaches": Depths(**row), "corrected": np.array([frame.frame % 3 == 0, True])}
+        vars(frame.simulated).update(odd)
+
+    session.listen(told)
+    recorder, frames = record(session, tmp_path / "out.npz", 12)
+    recorder.close()
+    result = hp.Result.load(tmp_path / "out.npz")
+    np.testing.assert_array_equal(result.breaches.frame, np.arange(12))
+    assert {result.names[i] for i in result.breaches.other} == {"wall"}
+    assert (result.breaches.depth == 0.02).all()
+    corrected = [frame.frame % 3 == 0 for frame in frames]
+    np.testing.assert_array_equal(result.people[0].corrected, corrected)
+    assert result.people[1].corrected.all()
 
 
 def soft_session():

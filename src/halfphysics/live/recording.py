@@ -11,6 +11,7 @@ import logging
 import os
 import queue
 import threading
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,12 +21,15 @@ from numpy.typing import NDArray
 from halfphysics.base.validation import file_path
 from halfphysics.errors import FileError, HalfPhysicsError
 from halfphysics.formats.results import unfinished
+from halfphysics.formats.results.keys import BREACHES, CONTACT, INSIDE
 from halfphysics.formats.results.result_writer import settings_document
 from halfphysics.live.incoming import Outgoing
 from halfphysics.results.contacts import Contacts
+from halfphysics.results.inside import Breaches, Inside
 from halfphysics.results.records import BodyRecord, SceneRecord
 from halfphysics.results.result import DIAGNOSTICS
 from halfphysics.results.soft_contacts import SoftContacts
+from halfphysics.results.table import Table
 
 if TYPE_CHECKING:
     from halfphysics.scene.scene import Scene
@@ -208,6 +212,7 @@ def _fields(frames: list[Outgoing]) -> dict[str, NDArray[Any]]:
         fields[f"{at}target_translation"] = np.stack([pose.translation for pose in targets])
         fields[f"{at}target_rotations"] = np.stack([pose.rotations for pose in targets])
         fields[f"{at}torque"] = np.stack([_simulated(f).torques[i] for f in frames])
+        fields[f"{at}corrected"] = np.array([_simulated(f).corrected[i] for f in frames])
     for name in frames[0].objects:
         fields[f"object/{name}/position"] = np.stack([f.objects[name][0] for f in frames])
         fields[f"object/{name}/quaternion"] = np.stack([f.objects[name][1] for f in frames])
@@ -219,16 +224,22 @@ def _fields(frames: list[Outgoing]) -> dict[str, NDArray[Any]]:
         fields[f"diagnostics/{name}"] = np.array(
             [float(frame.diagnostics.get(name, 0.0)) for frame in simulated]
         )
-    return fields | _contact_columns(frames) | _pressure_columns(simulated)
+    return (
+        fields
+        | _columns(CONTACT, Contacts, [frame.contacts for frame in frames])
+        | _columns(INSIDE, Inside, [frame.inside for frame in simulated])
+        | _columns(BREACHES, Breaches, [frame.breaches for frame in simulated])
+        | _pressure_columns(simulated)
+    )
 
 
-def _contact_columns(frames: list[Outgoing]) -> dict[str, NDArray[Any]]:
-    counts = [len(frame.contacts.part) for frame in frames]
-    columns = {"contact/frame": np.repeat(np.arange(len(frames)), counts)}
-    for name in Contacts.columns():
+def _columns(prefix: str, of: type[Table], tables: Sequence[Any]) -> dict[str, NDArray[Any]]:
+    """Columns of a table `of` the frames, from those of each."""
+    counts = [len(table.part) for table in tables]
+    columns = {f"{prefix}frame": np.repeat(np.arange(len(tables)), counts)}
+    for name in of.columns():
         if name != "frame":
-            each = [getattr(frame.contacts, name) for frame in frames]
-            columns[f"contact/{name}"] = np.concatenate(each)
+            columns[f"{prefix}{name}"] = np.concatenate([getattr(t, name) for t in tables])
     return columns
 
 

@@ -43,6 +43,8 @@ class Frame:
         clearance: Minimum distance of the people from the statics [m]; inf beyond
             `Settings.clearance_range`, negative where they penetrate.
         lost_time: Time by which blocked steps were shortened [s].
+        corrected: Whether the people's targets were corrected by weight (people,), see
+            `PersonResult.corrected`.
         torques: What the drive exerted on the people's joints, see `PersonResult.torque`.
         diagnostics: Numbers of the frame, see `halfphysics.results.result.DIAGNOSTICS`.
         substeps: With `Settings.record="substeps"`: model coordinates (N, nq) after every
@@ -51,6 +53,7 @@ class Frame:
 
     clearance: float
     lost_time: float
+    corrected: NDArray[np.bool_]
     diagnostics: Mapping[str, float]
     substeps: Array
     _world: World

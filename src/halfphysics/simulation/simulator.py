@@ -401,6 +401,7 @@ class Simulator(InNotebook):
         return Frame(
             clearance=stepper.clearance(),
             lost_time=numbers.pop("lost_time"),
+            corrected=stepper.footing()[:, 1] != 0.0,
             diagnostics=numbers,
             substeps=substeps,
             _world=self.world,

@@ -16,10 +16,8 @@ from halfphysics.live.session import Session
 from halfphysics.results.records import SceneRecord
 
 
-@pytest.fixture(scope="module")
-def recorded(tmp_path_factory):
-    """The bytes of a recording of 40 frames in 4 blocks, and the person's rotations."""
-    path = tmp_path_factory.mktemp("recorded") / "out.npz.unfinished"
+def write_recording(path):
+    """A recording of 40 frames in 4 blocks; returns the person's rotations."""
     session = Session(None)
     frames = [session.step() for _ in range(40)]
     scene = SceneRecord.of(session.simulator.world.scene)
@@ -29,7 +27,14 @@ def recorded(tmp_path_factory):
         unfinished.write_document(file, unfinished.SCENE, dict(scene.document))
         for first in range(0, 40, 10):
             unfinished.write_frames(file, recording._fields(frames[first : first + 10]))
-    rotations = np.stack([frame.poses["person"].rotations for frame in frames])
+    return np.stack([frame.poses["person"].rotations for frame in frames])
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """The bytes of that recording, and the person's rotations."""
+    path = tmp_path_factory.mktemp("recorded") / "out.npz.unfinished"
+    rotations = write_recording(path)
     return path.read_bytes(), rotations
 
 
@@ -91,6 +96,23 @@ def test_documents_of_strangers(tmp_path):
             unfinished.write_frames(file, {"clearance": np.zeros(2), "names": np.array(["a"])})
         with pytest.raises(FileError):
             hp.Result.load(path)
+
+
+def test_older_ones_know_no_overlaps(tmp_path, monkeypatch):
+    """Nor whom weight corrected; they read as before."""
+    write = unfinished.write_frames
+
+    def as_before(file, fields):
+        later = ("inside/", "breaches/")
+        kept = {k: v for k, v in fields.items() if not k.startswith(later)}
+        write(file, {k: v for k, v in kept.items() if not k.endswith("/corrected")})
+
+    monkeypatch.setattr(unfinished, "write_frames", as_before)
+    path = tmp_path / "out.npz.unfinished"
+    write_recording(path)
+    result = hp.Result.load(path)
+    assert (len(result), len(result.inside), len(result.breaches)) == (40, 0, 0)
+    assert not result.people[0].corrected.any()
 
 
 def test_bodies_and_scenes_can_be_replaced(recorded, tmp_path):

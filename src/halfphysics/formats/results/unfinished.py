@@ -18,7 +18,7 @@ import zlib
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,11 +27,14 @@ from halfphysics.base.npz import Npz
 from halfphysics.base.npz_bytes import npz_bytes
 from halfphysics.baselines.options import OPTIONS, from_options
 from halfphysics.errors import FileError, InputError
+from halfphysics.formats.results.keys import BREACHES, CONTACT, INSIDE
 from halfphysics.motion.motion import Motion
 from halfphysics.results.contacts import Contacts
+from halfphysics.results.inside import Breaches, Inside
 from halfphysics.results.records import BodyRecord, SceneRecord, checked_document
 from halfphysics.results.result import DIAGNOSTICS, ObjectTrack, PersonResult, Result
 from halfphysics.results.soft_contacts import SoftContacts
+from halfphysics.results.table import Table
 from halfphysics.simulation.recording import kept_of
 
 MAGIC = b"halfphysics unfinished result 1\n"
@@ -41,7 +44,7 @@ _BLOCK = struct.Struct("<4sII")
 _LARGEST = 256 * 2**20
 
 Fields = dict[str, NDArray[Any]]
-_ROWS = ("frame", *(name for name in Contacts.columns() if name != "frame"))
+T = TypeVar("T", bound=Table)
 
 
 def is_unfinished(path: str | os.PathLike[str]) -> bool:
@@ -63,9 +66,10 @@ def write_document(file: BinaryIO, kind: bytes, document: Mapping[str, Any]) -> 
 def write_frames(file: BinaryIO, fields: Fields) -> None:
     """Append frames: arrays with one row per frame, by the keys of `frame_keys`.
 
-    Besides, `names` (n,): what contacts refer to; the columns of contacts as "contact/COLUMN",
-    whose frames are counted from the first of the block; and, where something is soft, those of
-    samples under pressure as "pressed/COLUMN", with "pressed/count", their number in each frame.
+    Besides, `names` (n,): what contacts refer to; the columns of contacts as "contact/COLUMN", and
+    of overlaps as "inside/COLUMN" and "breaches/COLUMN" (older files have none), whose frames are
+    counted from the first of the block; and, where something is soft, those of samples under
+    pressure as "pressed/COLUMN", with "pressed/count", their number in each frame.
     """
     _write(file, FRAMES, npz_bytes(fields))
 
@@ -151,7 +155,9 @@ def _result(head: dict[str, Any], scene: SceneRecord, parts: list[Npz]) -> Resul
         },
         scene=scene,
         names=names,
-        contacts=_contacts(parts, counts, names),
+        contacts=_rows(parts, counts, names, CONTACT, Contacts),
+        inside=_rows(parts, counts, names, INSIDE, Inside),
+        breaches=_rows(parts, counts, names, BREACHES, Breaches),
         soft_contacts=_pressures(parts, counts, names),
         clearance=whole["clearance"],
         lost_time=whole["lost_time"],
@@ -162,7 +168,7 @@ def _result(head: dict[str, Any], scene: SceneRecord, parts: list[Npz]) -> Resul
 
 def _common(parts: list[Npz]) -> list[str]:
     """Keys of arrays with a row per frame that all blocks have."""
-    apart = ("contact/", "pressed/", "object/", "joint/", "names")
+    apart = (CONTACT, INSIDE, BREACHES, "pressed/", "object/", "joint/", "names")
     keys = [key for key in parts[0] if not key.startswith(apart)]
     return [key for key in keys if all(key in part for part in parts)]
 
@@ -191,6 +197,7 @@ def _person(whole: Fields, index: int, data: dict[str, Any], fps: float) -> Pers
         ),
         body=BodyRecord(data["body"], "an unfinished result"),
         torque=whole[f"{at}torque"],
+        corrected=whole.get(f"{at}corrected"),
     )
 
 
@@ -212,19 +219,23 @@ def _names(parts: list[Npz], people: list[str]) -> tuple[str, ...]:
     return (*(name for name in items if name not in people), *people)
 
 
-def _contacts(parts: list[Npz], counts: list[int], names: tuple[str, ...]) -> Contacts:
-    """All contacts, with frames and names of the whole."""
-    columns: dict[str, list[NDArray[Any]]] = {name: [] for name in _ROWS}
+def _rows(
+    parts: list[Npz], counts: list[int], names: tuple[str, ...], prefix: str, of: type[T]
+) -> T:
+    """All rows of contacts or overlaps, with frames and names of the whole."""
+    none = of.none()
+    columns: dict[str, list[NDArray[Any]]] = {name: [getattr(none, name)] for name in of.columns()}
     first = 0
     for part, count in zip(parts, counts, strict=True):
-        new = _renamed(part, names)
-        for name in _ROWS:
-            values = part[f"contact/{name}"]
-            if name in ("other", "subject"):
-                values = new[values]
-            columns[name].append(values + first if name == "frame" else values)
+        if prefix == CONTACT or f"{prefix}frame" in part:  # older files have contacts alone
+            new = _renamed(part, names)
+            for name, found in columns.items():
+                values = part[f"{prefix}{name}"]
+                if name in ("other", "subject"):
+                    values = new[values]
+                found.append(values + first if name == "frame" else values)
         first += count
-    return Contacts(**{name: np.concatenate(values) for name, values in columns.items()})
+    return of(**{name: np.concatenate(values) for name, values in columns.items()})
 
 
 def _pressures(parts: list[Npz], counts: list[int], names: tuple[str, ...]) -> SoftContacts | None:

@@ -87,6 +87,32 @@ def test_what_comes_and_goes_rests_meanwhile(session, tmp_path):
             row += 1
 
 
+def test_what_comes_beside_moving_and_articulated_things_is_measured(tmp_path, scene):
+    """Free objects stand before these in a scene and its results, whenever they came."""
+    file = tmp_path / "door.xml"
+    file.write_text(
+        "<mujoco><worldbody><body name='leaf'><joint name='hinge'/><geom type='box' "
+        "size='0.4 0.02 0.5'/></body></worldbody></mujoco>"
+    )
+    scene.add_articulated("door", file, position=(5.0, 0.0, 1.0))
+    scene.add_moving("belt", hp.Box((1, 1, 0.1)), [(5, 5, 0.5), (6, 5, 0.5)], fps=1.0)
+    session = Session(scene)
+
+    def during(k):
+        if k == 5:
+            add = schema.Add("crate", "box:0.2:0.2:0.2", 2.0, (0.0, 3.0, 0.1))
+            session.edit(add, lambda reason: None)
+
+    recorder, frames = record(session, tmp_path / "out.npz", 20, during)
+    recorder.close()
+    result = hp.Result.load(tmp_path / "out.npz")
+    assert result.names == frames[-1].names
+    assert tuple(result.objects) == ("ball", "crate", "belt", "door/leaf")
+    assert len(result.parts()) == 20
+    met = [f.names[i] for f in frames for i in f.contacts.other]
+    assert [result.names[i] for i in result.contacts.other] == met
+
+
 def test_overlaps_are_recorded(tmp_path):
     """Of a crate that starts in the floor; names of later frames have other indices."""
     scene = hp.Scene()

@@ -175,6 +175,8 @@ def test_frames_are_what_simulate_reports_and_survive_a_copy(body):
             np.testing.assert_array_equal(quaternion, result.objects["ball"].quaternion[t])
             assert frame.clearance == result.clearance[t]
             assert frame.lost_time == result.lost_time[t]
+            corrected = [person.corrected[t] for person in result.people]
+            np.testing.assert_array_equal(frame.corrected, corrected)
     # Contacts between people are pairs of rows, one for each, of opposite sign.
     c = result.contacts
     people = result.names.index("person0")

@@ -136,7 +136,7 @@ def _merged(documents: list[dict[str, Any]]) -> dict[str, Any]:
 
 def _result(head: dict[str, Any], scene: SceneRecord, parts: list[Npz]) -> Result:
     people = [str(person["name"]) for person in head["people"]]
-    names = _names(parts, people)
+    names = _names(parts, people, scene.document)
     whole = {key: np.concatenate([part[key] for part in parts]) for key in _common(parts)}
     counts = [len(part["clearance"]) for part in parts]
     return Result(
@@ -148,7 +148,7 @@ def _result(head: dict[str, Any], scene: SceneRecord, parts: list[Npz]) -> Resul
                 position=_filled(parts, counts, f"object/{name}/position"),
                 quaternion=_filled(parts, counts, f"object/{name}/quaternion"),
             )
-            for name in _after(parts, "object/", "/position")
+            for name in sorted(_after(parts, "object/", "/position"), key=names.index)
         },
         joints={
             name: _filled(parts, counts, f"joint/{name}") for name in _after(parts, "joint/", "")
@@ -213,10 +213,14 @@ def _filled(parts: list[Npz], counts: list[int], key: str) -> NDArray[Any]:
     return np.concatenate(pieces)
 
 
-def _names(parts: list[Npz], people: list[str]) -> tuple[str, ...]:
-    """All names that contacts ever referred to: items, then people."""
+def _names(parts: list[Npz], people: list[str], scene: Mapping[str, Any]) -> tuple[str, ...]:
+    """All names that contacts ever referred to, in the order of a scene: statics, free objects,
+    those that move, links, then people. An object that came later stands before those that move.
+    """
     items = dict.fromkeys(str(name) for part in parts for name in part["names"])
-    return (*(name for name in items if name not in people), *people)
+    groups = (scene.get(group) or {} for group in ("statics", "objects", "moving"))
+    own = [name for group in groups for name in group if name in items]
+    return (*dict.fromkeys([*own, *(name for name in items if name not in people)]), *people)
 
 
 def _rows(

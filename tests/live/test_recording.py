@@ -113,6 +113,15 @@ def test_what_comes_beside_moving_and_articulated_things_is_measured(tmp_path, s
     assert [result.names[i] for i in result.contacts.other] == met
 
 
+def test_what_is_added_to_the_scene_later_is_not_in_the_recording(session, scene, tmp_path):
+    scene.add_static("late", hp.Box((1, 1, 1)), position=(0, 9, 0))
+    recorder, _ = record(session, tmp_path / "out.npz", 5)
+    recorder.close()
+    result = hp.Result.load(tmp_path / "out.npz")
+    assert set(result.scene.statics) == {"floor", "wall"}
+    assert len(result.parts()) == 5
+
+
 def test_overlaps_are_recorded(tmp_path):
     """Of a crate that starts in the floor; names of later frames have other indices."""
     scene = hp.Scene()

@@ -58,6 +58,17 @@ def test_the_first_message_says_all_there_is(server):
     assert hello["objects"][0]["mass"] == 1.0
 
 
+def test_what_its_owner_adds_to_the_scene_later_is_not_in_the_session(server, scene):
+    """Clients see what is simulated, at the start and after an edit."""
+    scene.add_static("late", hp.Box((1, 1, 1)), position=(0, 9, 0))
+    with opened(server) as live:
+        hello = json.loads(live.recv(20))
+        live.send(json.dumps({"type": "edit", "edit": {"action": "mass", "name": "ball", "value": 2}}))
+        changed = until(live, "scene")
+    for message in (hello, changed):
+        assert [s["name"] for s in message["statics"]] == ["floor", "wall"]
+
+
 def test_a_pose_comes_back_with_its_time(server):
     with opened(server) as live:
         live.send(pose_of(until(live, "frame"), time=12.5))

@@ -94,7 +94,7 @@ class Recorder:
     def add(self, frame: Outgoing) -> None:
         """A listener of the session: take a frame; never waits."""
         try:
-            self._frames.put_nowait((frame, self._simulator.world.scene))
+            self._frames.put_nowait((frame, self._simulator.world.made_of))
         except queue.Full:
             self.left_out += 1
 

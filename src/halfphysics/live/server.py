@@ -199,7 +199,7 @@ class Server:
         from halfphysics import __version__
 
         simulator = self._session.simulator
-        statics, objects = scene_items(simulator.world.scene)
+        statics, objects = scene_items(simulator.world.made_of)
         people = zip(self._session.people, simulator.bodies, strict=True)
         return schema.hello(
             server=f"halfphysics {__version__}",
@@ -255,7 +255,7 @@ class Server:
         behind = [c for c in self._clients.values() if c.edited != edited and not c.is_slow]
         if not behind:
             return
-        message = schema.SceneMessage(*scene_items(self._session.simulator.world.scene))
+        message = schema.SceneMessage(*scene_items(self._session.simulator.world.made_of))
         for binary in {client.binary for client in behind}:
             some = [client for client in behind if client.binary == binary]
             data = schema.encode(message, binary)

@@ -15,6 +15,7 @@ from halfphysics.results.result import (
     PersonResult,
     Result,
 )
+from halfphysics.results.simulated_scene import SimulatedScene
 from halfphysics.results.substeps import Substeps, at_substeps
 from halfphysics.simulation.core_rows import breach_rows, contact_rows, inside_rows
 from halfphysics.simulation.soft_rows import soft_rows
@@ -47,7 +48,7 @@ def recorded_result(world: World, motions: Sequence[Motion], run: Recording) -> 
         ),
         objects=_tracks(world, run.qpos),
         joints={joint.name: joint.values(run.qpos) for joint in world.joints},
-        scene=world.scene,
+        scene=SimulatedScene(world.scene, world.made_of),
         names=world.names,
         contacts=_contacts(world, run.contacts),
         clearance=run.clearance,

@@ -19,6 +19,7 @@ from halfphysics.errors import InputError
 from halfphysics.metrics.part_report import clearances
 from halfphysics.results.contacts import Contacts
 from halfphysics.results.result import PersonResult, Result
+from halfphysics.results.simulated_scene import SimulatedScene
 from halfphysics.results.substeps import Substeps
 from halfphysics.simulation.core_rows import contact_rows
 
@@ -90,6 +91,7 @@ def _result(
     every = settings.record == "substeps"
     at_frames = qpos[::substeps] if every else qpos
     columns, row = contact_rows(engine, contacts.rows)
+    scene: Any = SimulatedScene(world.scene, world.made_of)
     result = Result(
         people=tuple(
             PersonResult(
@@ -104,7 +106,7 @@ def _result(
         ),
         objects=engine.tracks(at_frames, dt * np.arange(count, dtype=np.float64)),
         joints=engine.joints(at_frames),
-        scene=world.scene,
+        scene=scene,
         names=world.names,
         contacts=Contacts(frame=contacts.frame[row], **vars(columns)),
         clearance=np.full(count, np.inf),
@@ -112,7 +114,7 @@ def _result(
         settings=settings,
         substeps=_substeps(engine, motions, qpos, substeps, mocap) if every else None,
     )
-    return replace(result, clearance=clearances(result)[0].min(axis=(0, 2)))
+    return replace(result, scene=scene, clearance=clearances(result)[0].min(axis=(0, 2)))
 
 
 def _check_stable(data: Any, settings: Settings, t: int, dt: float) -> None:

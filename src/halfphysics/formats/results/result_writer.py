@@ -75,7 +75,7 @@ def result_fields(result: Result) -> Fields:
         fields |= _person_fields(person_prefix(index), person)
         people.append(_person_document(person))
     scene = vars(result)["_scene"]
-    record_of_scene = scene if isinstance(scene, SceneRecord) else SceneRecord.of(scene)
+    record_of_scene = scene if isinstance(scene, SceneRecord) else SceneRecord.of(result.scene)
     fields |= {
         "meta/clearance": result.clearance,
         "meta/lost_time": result.lost_time,

@@ -15,6 +15,7 @@ from halfphysics.live import client, schema
 from halfphysics.live.client import _frame
 from halfphysics.live.safety import Gate
 from halfphysics.live.server import Server
+from halfphysics.live.session import Session
 
 
 @pytest.fixture
@@ -75,6 +76,31 @@ def test_mistakes_of_others_are_raised(live):
         collections.deque(live, 0)
 
 
+def test_an_edit_that_was_done_is_not_refused_for_another_message(live):
+    """That a pose is for nobody is said by the next `receive`."""
+    nobody = {"eve": live.receive(20).poses["person0"]}
+    for call in (lambda: live.edit(schema.Mass("ball", 2.0)), live.subscribe, live.ping):
+        live.send(nobody)
+        call()
+        with pytest.raises(InputError, match="expected one of person0"):
+            live.receive(20)
+        assert live.receive(20).frame > 0
+    with pytest.raises(InputError, match="no message of version"):
+        live.edit(schema.Add("crate", "box:1:1:1", 1.0, (1e9, 0.0, 0.0)))
+
+
+def test_a_session_of_nobody_takes_no_pose():
+    session = Session(body=[])
+    server = Server(session, Gate("127.0.0.1"), 0)
+    server.start()
+    try:
+        with hp.connect(f"ws://127.0.0.1:{server.port}") as live:
+            with pytest.raises(InputError, match="nobody in the session"):
+                live.send(hp.Pose((0.0, 0.0, 1.0), np.zeros((55, 3))))
+    finally:
+        server.stop()
+
+
 def test_other_axes_are_refused(live):
     pose = live.receive(20).poses["person0"]
     turned = hp.Pose(pose.translation, pose.rotations, [[1, 0, 0], [0, 0, -1], [0, 1, 0]])
@@ -123,6 +149,10 @@ def test_a_timeout(session):
         ("http://127.0.0.1:1", InputError, "ws://"),
         (8765, InputError, "url: found 8765, expected such as ws://"),
         ("ws://127.0.0.1:1", FileError, "Start halfphysics serve"),
+        ("ws://127.0.0.1:65536", InputError, "url: found ws://127.0.0.1:65536, where nothing can"),
+        ("ws://host:port", InputError, "url: found ws://host:port, where nothing can be"),
+        ("ws://[::1", InputError, "url: found .* expected such as ws://"),
+        (f"ws://{'a' * 70}.example", InputError, "url: found .* expected such as ws://"),
     ],
 )
 def test_where_nobody_answers(url, error, said):

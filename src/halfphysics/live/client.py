@@ -7,6 +7,7 @@ import itertools
 import math
 import threading
 import time
+from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import TracebackType
@@ -31,6 +32,8 @@ Array = NDArray[np.float64]
 _ANSWERS, _OPENS, _CLOSES = 10.0, 10.0, 1.0
 #: Largest message of a server: its first one has the meshes of the scene [bytes].
 _LARGEST = 256 * 2**20
+#: Errors that are kept until `receive` raises them, the newest.
+_KEPT = 100
 #: Axes of all poses of a session.
 _UPRIGHT = np.eye(3)
 
@@ -110,6 +113,11 @@ class LiveClient:
             )
         except InvalidURI as error:
             raise InputError(f"url: {error}; expected such as ws://127.0.0.1:8765") from None
+        except ValueError as error:  # a port or an address that is none, a name of no host
+            raise InputError(
+                f"url: found {shown}, where nothing can be ({error}); expected such as "
+                "ws://127.0.0.1:8765"
+            ) from None
         except InvalidStatus as error:
             said = (error.response.body or b"").decode("utf-8", "replace").strip()
             raise FileError(f"{shown}: refused ({said or error})") from None
@@ -118,6 +126,7 @@ class LiveClient:
                 f"{shown}: nothing answers there ({error}). Start halfphysics serve"
             ) from None
         self._keys = itertools.count(1)
+        self._refused: deque[schema.ErrorMessage] = deque(maxlen=_KEPT)
         self.hello = self._greeted(shown)
 
     def _greeted(self, url: str) -> schema.Hello:
@@ -161,9 +170,9 @@ class LiveClient:
 
         Raises:
             FileError: The connection was closed.
-            InputError: A pose with other axes.
+            InputError: A pose with other axes, or for nobody.
         """
-        poses = {self.people[0]: pose} if isinstance(pose, Pose) else pose
+        poses = {self._first(): pose} if isinstance(pose, Pose) else pose
         known = tracked or {}
         people = {}
         for name, one in poses.items():
@@ -194,12 +203,14 @@ class LiveClient:
         """
         ends = None if timeout is None else time.monotonic() + timeout
         while True:
+            if self._refused:
+                raise InputError(self._refused.popleft().message)
             left = None if ends is None else max(ends - time.monotonic(), 0.0)
             message = self._message(left)
             if isinstance(message, schema.FrameMessage):
                 return _frame(message)
             if isinstance(message, schema.ErrorMessage):
-                raise InputError(message.message)
+                self._refused.append(message)
 
     def __iter__(self) -> Iterator[LiveFrame]:
         """Frames until the connection is closed."""
@@ -270,6 +281,12 @@ class LiveClient:
 
     # -- inside --------------------------------------------------------------------------
 
+    def _first(self) -> str:
+        """Name of the first person."""
+        if not self.people:
+            raise InputError("send: found a pose, and nobody in the session; expected a person")
+        return self.people[0]
+
     def _put(self, message: Any) -> None:
         try:
             self._connection.send(schema.encode(message, True))
@@ -286,7 +303,9 @@ class LiveClient:
         return message
 
     def _answered(self, key: int) -> schema.Done | schema.Pong:
-        """Wait for the answer; frames from before it are passed over."""
+        """Wait for the answer; frames from before it are passed over, errors of other messages are
+        kept for `receive`.
+        """
         ends = time.monotonic() + _ANSWERS
         while True:
             try:
@@ -295,8 +314,11 @@ class LiveClient:
                 raise FileError(
                     f"no answer within {_ANSWERS:g} s: the server is too busy or gone"
                 ) from None
-            if isinstance(message, schema.ErrorMessage) and message.id in (key, None):
-                raise InputError(message.message)
+            if isinstance(message, schema.ErrorMessage):
+                # Of a message that cannot be read nobody knows the number.
+                if message.id == key or (message.id is None and message.code == "invalid"):
+                    raise InputError(message.message)
+                self._refused.append(message)
             if isinstance(message, schema.Done | schema.Pong) and message.id == key:
                 return message
 

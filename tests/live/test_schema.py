@@ -87,6 +87,16 @@ def test_times_are_finite(message, number):
         schema.from_client(schema.encode(told, True))
 
 
+@pytest.mark.parametrize("number", [2**63, -(2**63) - 1, 2**64, 10**30])
+def test_numbers_of_messages_have_64_bits(number):
+    """Of JSON they may have more: the answer in MessagePack could not have them."""
+    with pytest.raises(InputError, match=r"at `\$\.id`"):
+        schema.from_client(json.dumps({"type": "ping", "id": number}))
+    for most in (2**63 - 1, -(2**63), "9" * 30):
+        ping = schema.from_client(json.dumps({"type": "ping", "id": most}))
+        assert schema.from_server(schema.encode(schema.Pong(ping.id, None, 0.0), True)).id == most
+
+
 def test_messages_of_the_server_come_back():
     for message in (
         schema.Done(3),

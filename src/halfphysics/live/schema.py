@@ -42,7 +42,8 @@ Rotation = tuple[Radians, Radians, Radians]
 Rotations = Annotated[list[Rotation], Meta(min_length=55, max_length=55)]
 Tracked = Annotated[list[bool], Meta(min_length=55, max_length=55)]
 Quaternion = tuple[float, float, float, float]
-Id = int | str | None
+#: What a client calls a message: MessagePack has whole numbers of 64 bits.
+Id = Annotated[int, Meta(ge=-(2**63), le=2**63 - 1)] | str | None
 
 #: Parts of a frame that a client can subscribe to.
 Part = Literal["poses", "targets", "objects", "joints", "contacts", "pressures"]

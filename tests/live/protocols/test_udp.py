@@ -207,6 +207,13 @@ def test_what_is_no_endpoint_is_said(text):
         (["vmc:[::1]:7"], ["vmc:localhost:7"], "follow themselves"),
         (["vmc:Host:7"], ["vmc:host:7"], "follow themselves"),
         (["vmc:7", "vmc:0.0.0.0:7"], [], "two people"),
+        (["vmc:0.0.0.0:7"], ["vmc:localhost:7"], "follow themselves"),
+        (["vmc:[::]:7"], ["vmc:7"], "follow themselves"),
+        (["vmc:[::]:7"], ["vmc:[::1]:7"], "follow themselves"),
+        (["vmc:7"], ["vmc:127.1:7"], "follow themselves"),
+        (["vmc:7"], ["vmc:0x7f.1:7"], "follow themselves"),
+        (["vmc:0.0.0.0:7"], ["vmc:127.1:7"], "follow themselves"),
+        (["vmc:7"], ["vmc:[::ffff:127.0.0.1]:7"], "follow themselves"),
         (
             ["vmc:7"],
             ["rokoko:7"],
@@ -232,12 +239,38 @@ def test_this_machine_s_address_on_the_network_is_heard_by_who_listens_on_all():
     check_apart([endpoint("vmc:0.0.0.0:7", 1)], [endpoint("vmc:198.51.100.1:7", 1)])
 
 
+def test_this_machine_s_name_is_this_machine(monkeypatch):
+    """It is the only name that is looked up."""
+    asked = []
+
+    def lookup(name, port, **options):
+        asked.append(name)
+        return [(socket.AF_INET, socket.SOCK_DGRAM, 17, "", ("127.0.1.1", 0))]
+
+    monkeypatch.setattr(socket, "gethostname", lambda: "Studio.example.org")
+    monkeypatch.setattr(socket, "getaddrinfo", lookup)
+    everywhere = [endpoint("vmc:0.0.0.0:7", 1)]
+    for name in ("studio", "Studio.local", "studio.example.org"):
+        with pytest.raises(InputError, match="follow themselves"):
+            check_apart(everywhere, [endpoint(f"vmc:{name}:7", 1)])
+    assert asked == ["studio", "studio.local", "studio.example.org"]
+    check_apart(everywhere, [endpoint("vmc:stage.example.org:7", 1)])
+    check_apart([endpoint("vmc:7", 1)], [endpoint("vmc:studio:7", 1)])  # it is at 127.0.1.1
+    assert "stage.example.org" not in asked
+
+
+def test_nobody_is_sent_to_port_0():
+    with pytest.raises(InputError, match=r"vmc:127\.0\.0\.1:0: found port 0, expected .*:39540$"):
+        vmc.sender(ANYWHERE, PERSON, BODY)
+
+
 def test_places_of_their_own_are_fine():
     listen = [endpoint(text, 1) for text in ("vmc:0", "vmc:0", "vmc:7", "vmc:0.0.0.0:8")]
     forward = [
         endpoint(text, 1) for text in ("vmc:9", "vmc:198.51.100.1:7", "mocopi:198.51.100.1:8")
     ]
     check_apart(listen, forward)
+    check_apart([endpoint("vmc:0.0.0.0:7", 1)], [endpoint("vmc:[::1]:7", 1)])  # of IPv4 alone
     check_apart([endpoint("vmc:7", 1)], [endpoint("vmc:[::1]:7", 1)])
 
 

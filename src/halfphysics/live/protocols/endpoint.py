@@ -13,14 +13,9 @@ from halfphysics.live.safety import is_loopback
 #: The address that is taken where none is given: nothing from or to other machines.
 LOOPBACK = "127.0.0.1"
 #: All addresses of this machine for who listens; what is sent there goes to the loopback.
-_ALL = {"", "0.0.0.0", "::"}
-#: Names -> addresses that they may lead to.
-_LEADS = {
-    "localhost": {LOOPBACK, "::1"},
-    "": {LOOPBACK, "::1"},
-    "0.0.0.0": {LOOPBACK},
-    "::": {"::1"},
-}
+_ALL = ("0.0.0.0", "::")
+#: Where names and addresses lead to that are not places of their own.
+_LEADS = {"localhost": {LOOPBACK, "::1"}, "0.0.0.0": {LOOPBACK}, "::": {"::1"}}
 
 
 @dataclass(frozen=True)
@@ -103,13 +98,16 @@ def _reaches(place: Endpoint, other: Endpoint) -> bool:
     """Whether what is sent to one place is heard at the other; port 0 is any free one."""
     if place.port != other.port or place.port == 0:
         return False
-    if other.host in _ALL and (place.is_local or place.host in _ALL or _is_own(place.host)):
-        return True
-    return not _addresses(place.host).isdisjoint(_addresses(other.host))
+    sent, heard = _addresses(place.host), _plain(other.host)
+    if heard in _ALL:  # of IPv4 alone, or of both
+        return any(_is_own(one) and (heard == "::" or ":" not in one) for one in sent)
+    return not sent.isdisjoint(_addresses(other.host))
 
 
 def _is_own(host: str) -> bool:
     """Whether an address is one of this machine's: only to those can a socket be bound."""
+    if is_loopback(host):
+        return True
     if not _is_address(host) or ipaddress.ip_address(host).is_multicast:
         return False
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
@@ -122,9 +120,36 @@ def _is_own(host: str) -> bool:
 
 
 def _addresses(host: str) -> set[str]:
-    """Where a host may be, as far as that is known without asking the network."""
-    name = host.lower()
-    return _LEADS.get(name) or {str(ipaddress.ip_address(name)) if _is_address(name) else name}
+    """Where a host may be, as far as that is known without asking the network: only the name of
+    this machine is looked up.
+    """
+    name = _plain(host)
+    return _LEADS.get(name) or _addresses_of_own(name) or {name}
+
+
+def _addresses_of_own(name: str) -> set[str]:
+    """Addresses of this machine by its own name; of another name none."""
+    own = socket.gethostname().lower()
+    short = own.partition(".")[0]
+    if name not in (own, short, f"{short}.local"):
+        return set()
+    try:
+        found = socket.getaddrinfo(name, None, type=socket.SOCK_DGRAM)
+    except (OSError, UnicodeError):
+        return set()
+    return {_plain(str(address[0])) for *_, address in found}
+
+
+def _plain(host: str) -> str:
+    """An address in the one usual way, such as 127.0.0.1 of "127.1"; a name in small letters."""
+    try:
+        address = ipaddress.ip_address(host)
+    except ValueError:
+        try:
+            return socket.inet_ntoa(socket.inet_aton(host))
+        except (OSError, ValueError):  # ValueError: letters that no address has
+            return host.lower()
+    return str(getattr(address, "ipv4_mapped", None) or address)
 
 
 def _beside(place: Endpoint) -> Endpoint:

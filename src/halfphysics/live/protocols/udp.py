@@ -9,7 +9,7 @@ from __future__ import annotations
 import socket
 import threading
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from halfphysics.errors import InputError
@@ -203,6 +203,11 @@ class UdpSender:
     """A `Sender` of datagrams; what the system has no room for is dropped and counted."""
 
     def __init__(self, endpoint: Endpoint, encoder: Encoder) -> None:
+        if endpoint.port == 0:  # nobody can be sent to
+            raise InputError(
+                f"{endpoint}: found port 0, expected the port where it is heard, such as "
+                f"{replace(endpoint, port=39540)}"
+            )
         try:
             found = socket.getaddrinfo(endpoint.host, endpoint.port, type=socket.SOCK_DGRAM)
         except (OSError, UnicodeError) as error:  # UnicodeError: a name that no host can have

@@ -154,3 +154,20 @@ def test_hands_alone_move_fingers(entered):
     reached(live, page, bent, [JOINT_INDEX["left_index1"]])
     assert page.page.inner_text("#device").startswith("hands only")
     page.evaluate("device.hands = {}")
+
+
+def test_another_person_is_as_tall_as_they_are(tmp_path):
+    """And not scaled by what the one before was calibrated with."""
+    scene = hp.Scene()
+    scene.add_static("floor", hp.Plane())
+    bodies = [hp.Body.default(stature=1.5), hp.Body.default(stature=1.9)]
+    with hp.serve(scene, body=bodies, port=0, fps=60.0) as live, tab(tmp_path) as page:
+        page.page.add_init_script(DEVICE)
+        page.open(f"http://127.0.0.1:{live.server.port}/webxr")
+        page.until(lambda: page.evaluate("state.height !== null"))
+        short = page.evaluate("state.height")
+        page.evaluate("state.scale = 0.8;")
+        page.page.select_option("#person", "person1")
+        page.until(lambda: page.evaluate("state.height !== null"))
+        assert page.evaluate("state.height") > 1.1 * short
+        assert page.evaluate("state.scale") == 1

@@ -6,6 +6,7 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.errors import FileError, InputError
+from halfphysics.live import protocols
 from support.live.process import ServerProcess
 
 
@@ -72,6 +73,31 @@ def test_beyond_this_machine_there_is_a_token(scene):
 def test_mistakes(scene, options, said):
     with pytest.raises(InputError, match=said):
         hp.serve(scene, **{"port": 0, **options})
+
+
+def test_a_recording_is_of_people(scene, tmp_path):
+    """Nothing could read one of nobody; without one such a session is fine."""
+    with pytest.raises(InputError, match="record: found a session without people"):
+        hp.serve(scene, body=[], port=0, record=tmp_path / "out.npz")
+    assert list(tmp_path.iterdir()) == []
+    with hp.serve(scene, body=[], port=0) as served:
+        assert served.session.people == ()
+
+
+def test_a_way_out_that_fails_closes_those_before(scene, monkeypatch):
+    made, sender = [], protocols.sender
+
+    def opened(text, **options):
+        made.append(sender(text, **options))
+        return made[-1]
+
+    monkeypatch.setattr(protocols, "sender", opened)
+    with pytest.raises(InputError, match="host is not found"):
+        hp.serve(
+            scene, body=[hp.Body.default()] * 2, port=0, forward=["vmc:9", f"vmc:{'a' * 70}:9"]
+        )
+    (first,) = made
+    assert first._socket.fileno() == -1
 
 
 def test_lists_are_anything_that_gives_texts(scene):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING
 
@@ -79,6 +79,11 @@ def serve(
     path = None if record is None else file_path(record)
     gate = Gate(host, token_for(host, token), origins)
     session = Session(scene, body=body, start=start, settings=settings, fps=fps)
+    if path is not None and not session.people:
+        raise InputError(
+            "record: found a session without people, expected at least one: a result file is of "
+            "people. Give a body, or leave record away"
+        )
     recorder = None if path is None else Recorder(path, session.simulator)
     return LiveServer(session, gate, int(port), recorder, listen, forward)
 
@@ -126,8 +131,8 @@ class LiveServer:
             self.server.start()
             started.callback(self.server.stop)
             for sender in self._senders(forward):
-                session.listen(sender.send)
                 started.callback(sender.stop)
+                session.listen(sender.send)
             session.listen(self.latency.add)
             if recorder is not None:
                 session.listen(recorder.add)
@@ -185,11 +190,13 @@ class LiveServer:
         people = zip(texts, self.session.people, self.session.simulator.bodies, strict=False)
         return [protocols.receiver(text, person=name, body=body) for text, name, body in people]
 
-    def _senders(self, texts: Sequence[str]) -> list[Sender]:
+    def _senders(self, texts: Sequence[str]) -> Iterator[Sender]:
+        """One after the other: those before one that fails are known, and stopped."""
         from halfphysics.live import protocols
 
         people = zip(texts, self.session.people, self.session.simulator.bodies, strict=False)
-        return [protocols.sender(text, person=name, body=body) for text, name, body in people]
+        for text, name, body in people:
+            yield protocols.sender(text, person=name, body=body)
 
     def _enough(self, texts: Sequence[str], what: str) -> None:
         people = len(self.session.people)

@@ -99,6 +99,23 @@ def test_what_is_impossible_changes_nothing(editor, action, said):
     assert editor.simulator.get_state().numbers == before
 
 
+@pytest.mark.parametrize("error", [InputError, RuntimeError])
+def test_an_object_is_in_the_world_once_it_may_be(editor, monkeypatch, error):
+    """Servers look at the world from another thread; and a fault leaves it as it was."""
+    world, seen = editor.simulator.world, []
+
+    def check(new, name):
+        seen.append((name in new.names, editor.simulator.world is world))
+        raise error("no")
+
+    monkeypatch.setattr(bounds, "check_clear", check)
+    with pytest.raises(error):
+        editor.do(schema.Add("a", "sphere:0.1", 1.0, (5.0, 5.0, 1.0)), "a")
+    assert seen == [(True, True)]
+    assert editor.simulator.world is world
+    assert editor.added == set()
+
+
 def test_objects_are_bounded(editor, monkeypatch):
     monkeypatch.setattr(bounds, "MOST_OBJECTS", 2)
     editor.do(schema.Add("a", "sphere:0.1", 1.0, (5.0, 5.0, 1.0)), "a")

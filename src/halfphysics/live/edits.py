@@ -100,8 +100,9 @@ class Editor:
         if action.friction is not None:
             bounds.check_friction(action.friction, "add: friction")
         options = {"friction": action.friction, "restitution": action.restitution}
-        before = self.simulator.world
-        self.simulator.add_object(
+        world = self.simulator.world
+        scene = world.made_of._copied()
+        scene.add_object(
             action.name,
             shape,
             mass=action.mass,
@@ -110,11 +111,9 @@ class Editor:
             velocity=action.velocity,
             **{name: value for name, value in options.items() if value is not None},
         )
-        try:
-            bounds.check_clear(self.simulator.world, action.name)
-        except InputError:
-            self.simulator.world = before
-            raise
+        new = rebuilt(world, scene, True)
+        bounds.check_clear(new, action.name)
+        self.simulator.world = new
         self.added.add(action.name)
 
     def _push(self, name: str, impulse: Vector, point: Vector | None) -> None:

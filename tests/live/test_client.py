@@ -94,9 +94,9 @@ def test_a_session_of_nobody_takes_no_pose():
     server = Server(session, Gate("127.0.0.1"), 0)
     server.start()
     try:
-        with hp.connect(f"ws://127.0.0.1:{server.port}") as live:
-            with pytest.raises(InputError, match="nobody in the session"):
-                live.send(hp.Pose((0.0, 0.0, 1.0), np.zeros((55, 3))))
+        url = f"ws://127.0.0.1:{server.port}"
+        with hp.connect(url) as live, pytest.raises(InputError, match="nobody in the session"):
+            live.send(hp.Pose((0.0, 0.0, 1.0), np.zeros((55, 3))))
     finally:
         server.stop()
 

@@ -63,7 +63,8 @@ def test_what_its_owner_adds_to_the_scene_later_is_not_in_the_session(server, sc
     scene.add_static("late", hp.Box((1, 1, 1)), position=(0, 9, 0))
     with opened(server) as live:
         hello = json.loads(live.recv(20))
-        live.send(json.dumps({"type": "edit", "edit": {"action": "mass", "name": "ball", "value": 2}}))
+        heavier = {"action": "mass", "name": "ball", "value": 2}
+        live.send(json.dumps({"type": "edit", "edit": heavier}))
         changed = until(live, "scene")
     for message in (hello, changed):
         assert [s["name"] for s in message["statics"]] == ["floor", "wall"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 from halfphysics.errors import InputError
 from halfphysics.live import bounds, schema
@@ -99,7 +100,7 @@ class Editor:
         bounds.check_speed(action.velocity, "add: velocity")
         if action.friction is not None:
             bounds.check_friction(action.friction, "add: friction")
-        options = {"friction": action.friction, "restitution": action.restitution}
+        options: dict[str, Any] = {"friction": action.friction, "restitution": action.restitution}
         world = self.simulator.world
         scene = world.made_of._copied()
         scene.add_object(

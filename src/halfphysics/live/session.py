@@ -128,7 +128,8 @@ class Session:
         world = self.simulator.world
         self.people = tuple(person.name for person in world.people)
         standing = [
-            stance(person.body, world.made_of, y=_APART * i) for i, person in enumerate(world.people)
+            stance(person.body, world.made_of, y=_APART * i)
+            for i, person in enumerate(world.people)
         ]
         if len(asked) > len(world.people):
             raise InputError(

@@ -14,7 +14,7 @@ from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
 from halfphysics.labels.event_kinds import Limits
 from halfphysics.labels.events import events
-from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
 from support.results.handled import WRIST, G, Handled
 
 HIGH = 1.2  # of the box while it is held [m]
@@ -232,6 +232,42 @@ def test_a_slip_is_that_of_the_parts_that_slide_by_their_force():
     (slip,) = events(case.result()).slips
     assert slip.parts == ("right_wrist", "right_index3")  # the thumb bears almost no load
     assert slip.distance == pytest.approx(0.06, abs=1e-12)
+
+
+FINGERS = [p for p, name in enumerate(JOINT_NAMES) if name.startswith(("left_i", "left_m"))]
+
+
+@pytest.mark.parametrize(
+    ("parts", "limits"),
+    [
+        ([WRIST, JOINT_INDEX["left_wrist"]], Limits(load=0.6)),
+        ([*FINGERS, *(p + 15 for p in FINGERS)], Limits()),
+    ],
+    ids=["two hands", "twelve parts"],
+)
+def test_a_grip_of_which_no_part_has_the_share_is_that_of_the_strongest(parts, limits):
+    fallen_case, slid_case = fallen()[0], slid()
+    for case in (fallen_case, slid_case):
+        pushes = [row for row in case.rows if row[1] == 0]
+        case.rows = [row for row in case.rows if row[1] != 0]
+        for frame, *_ in pushes:
+            for part in parts:
+                case.push([frame], 1.0 / len(parts), 5.0 / len(parts), part=part)
+    found = events(fallen_case.result(), limits)
+    (hold,), (drop,) = found.holds, found.drops
+    for event in (hold, drop):
+        assert event.people == ("person",)
+        assert set(event.parts) == {JOINT_NAMES[p] for p in parts}  # all are as strong
+    (slip,) = events(slid_case.result(), limits).slips
+    assert set(slip.parts) == {JOINT_NAMES[p] for p in parts}
+    assert slip.distance == pytest.approx(0.06, abs=1e-12)
+
+
+def test_nobody_holds_what_nobody_touches():
+    """With a limit of nothing too."""
+    case, first, _ = fallen()
+    (hold,) = events(case.result(), Limits(load=0.0, gap=0.0)).holds
+    assert (hold.last, hold.people) == (first, ("person",))
 
 
 def test_without_gravity_there_is_no_drop():

@@ -19,7 +19,8 @@ class Limits:
 
     Attributes:
         load: Smallest sum of the sizes of people's forces on an object that carries it, as a share
-            of its weight; and smallest share of that sum that makes a part one that carries.
+            of its weight; and smallest share of that sum that makes a part one that carries. Where
+            no part has that share, the strongest carries.
         elsewhere: Largest share of an object's weight that statics and other objects bear while
             it is carried.
         gap: Longest interruption that is ignored [s].

@@ -18,6 +18,7 @@ def holds_and_drops(loads: Loads, limits: Limits) -> Iterator[tuple[Hold, Drop |
     """Every hold of an object, and the drop in which it ends, if it does."""
     result, fps = loads.result, loads.result.fps
     carried = (loads.people >= limits.load) & (loads.elsewhere <= limits.elsewhere)
+    carried &= loads.people > 0.0  # with a limit of 0 too
     if not loads.up.any():  # without gravity: only people touch it
         carried = (loads.people > 0.0) & ~loads.touched
     held = [

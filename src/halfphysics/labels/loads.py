@@ -19,6 +19,9 @@ Array = NDArray[np.float64]
 Frames = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
+#: Forces that differ by less than this share are equal.
+_ROUNDING = 1e-9
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Loads:
@@ -95,7 +98,8 @@ class Loads:
         return summed(contacts.frame[rows], values, len(self.result))
 
     def holders(self, first: int, last: int, load: float) -> tuple[list[int], list[str]]:
-        """People (indices) and parts (names) that exert at least a share `load` of all impulses."""
+        """People (indices) and parts (names) that exert at least a share `load` of all impulses;
+        the strongest where none does."""
         contacts = self.result.contacts
         frame = contacts.frame[self.rows]
         within = (frame >= first) & (frame <= last)
@@ -105,8 +109,18 @@ class Loads:
             return_inverse=True,
         )
         total = summed(place.reshape(-1), contacts.strength[self.rows[within]], pairs.shape[1])
-        carry = pairs[:, total >= load * total.sum()]
+        carry = pairs[:, bears(total, total.sum(), total.max(), load)]
         return sorted(set(carry[0].tolist())), [JOINT_NAMES[p] for p in sorted(set(carry[1]))]
+
+
+def bears(force: Array, total: Array | float, most: Array | float, load: float) -> Mask:
+    """Which forces (k,) are at least a share `load` of their totals (k,), or the largest of them.
+
+    Where many fingers share a thing, none may have that share: then the strongest, of size `most`
+    (k,), carry it, those that rounding alone makes weaker included.
+    """
+    result: Mask = force >= np.minimum(load * total, (1.0 - _ROUNDING) * most)
+    return result
 
 
 def summed(frame: Frames, values: Array, frames: int) -> Array:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
 from halfphysics.labels.event_kinds import Limits, Slip
-from halfphysics.labels.loads import Loads, frames_in, intervals, lasts, summed
+from halfphysics.labels.loads import Loads, bears, frames_in, intervals, lasts, summed
 from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.results.result import PersonResult
 
@@ -27,7 +27,10 @@ def slips_of(loads: Loads, limits: Limits) -> Iterator[Slip]:
         rows, share = loads.rows[own], loads.share[own]
         frame = contacts.frame[rows]
         total = summed(frame, share, len(result))
-        carry = (total[frame] >= limits.load) & (share >= limits.load * total[frame])
+        most = np.zeros(len(result))
+        np.maximum.at(most, frame, share)
+        carry = bears(share, total[frame], most[frame], limits.load)
+        carry &= total[frame] >= limits.load
         rows, share, frame = rows[carry], share[carry], frame[carry]
         # A kick is shorter than any slip.
         if not len(rows) or not lasts(int(frame[0]), int(frame[-1]), limits.slide_time, result.fps):

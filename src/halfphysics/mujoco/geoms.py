@@ -93,8 +93,10 @@ def _height_field(model: Any, data: int) -> tuple[Array, NDArray[np.int32]]:
     x, y = np.meshgrid(np.linspace(-half_x, half_x, columns), np.linspace(-half_y, half_y, rows))
     vertices = np.stack([x.ravel(), y.ravel(), top * heights], axis=-1)
     corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
-    low = np.stack([corner, corner + 1, corner + columns], axis=-1)
-    high = np.stack([corner + 1, corner + columns + 1, corner + columns], axis=-1)
+    # MuJoCo cuts every cell from its lowest to its highest row and column.
+    across = corner + columns + 1
+    low = np.stack([corner, corner + 1, across], axis=-1)
+    high = np.stack([corner, across, corner + columns], axis=-1)
     return vertices, np.concatenate([low, high]).astype(np.int32)
 
 

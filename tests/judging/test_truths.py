@@ -83,11 +83,6 @@ def test_a_truth_of_one_person_is_that_of_all(library):
     assert truth_of(library / "a.npz", MotionOptions(), "anne").objects is None
 
 
-def test_frames_cut_a_result_and_its_objects(pair):
-    found = truth_of(pair, MotionOptions(frames="2:6"), "person1")
-    assert len(found.motion) == len(found.objects["ball"]) == 4
-
-
 def test_objects_of_a_data_set_are_read_where_they_are_asked_for(library, monkeypatch):
     track = ObjectTrack(
         position=np.zeros((40, 3)), quaternion=np.tile([1.0, 0.0, 0.0, 0.0], (40, 1))

@@ -39,14 +39,20 @@ def in_range(
                 texts.clear()
         except HalfPhysicsError:
             raise error from None
-        kept = len(range(*options.frames.indices(total)))
-        if kept >= 2:
-            raise
-        start, stop = (
-            "" if end is None else end for end in (options.frames.start, options.frames.stop)
+        too_few = few_frames(
+            f"{where}: {options.clip!r}" if options.clip else where, options.frames, total
         )
-        held_in = f"{where}: {options.clip!r}" if options.clip else where
-        raise InputError(
-            f"frames: found {start}:{stop}, but {held_in} has {total} frames, numbered from 0; "
-            "expected at least 2 of them"
-        ) from None
+        if too_few is None:
+            raise
+        raise too_few from None
+
+
+def few_frames(where: str, frames: slice, total: int) -> InputError | None:
+    """The error of a range that has fewer than two of a file's frames; None: it has more."""
+    if len(range(*frames.indices(total))) >= 2:
+        return None
+    start, stop = ("" if end is None else end for end in (frames.start, frames.stop))
+    return InputError(
+        f"frames: found {start}:{stop}, but {where} has {total} frames, numbered from 0; "
+        "expected at least 2 of them"
+    )

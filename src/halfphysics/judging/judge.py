@@ -13,6 +13,7 @@ from halfphysics.base import progress as bars
 from halfphysics.base.validation import file_path, is_whole, shown
 from halfphysics.base.workers import FULL, Death, Pool
 from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning, InputError
+from halfphysics.judging.played import played
 from halfphysics.judging.reading import Files, Reading
 from halfphysics.judging.tasks import Task, tasks_of
 from halfphysics.judging.truths import truth_of
@@ -181,14 +182,13 @@ def _of_result(task: Task, reading: Reading, scene: Scene | None) -> list[Judged
     """The realised motions of a result's people, in its scene with its objects."""
     from halfphysics.metrics import judge
     from halfphysics.metrics.scene_solids import known_tracks
-    from halfphysics.results.result import Result
 
-    result = Result.load(task.path)
+    clip = played(task.path, reading.motion_file)
     # Another scene may have other names, and meshes that the result's own has lost.
-    scene = result.scene if scene is None else scene
-    objects = known_tracks(scene, result.objects)
-    count, found = len(result.people), []
-    for index, person in enumerate(result.people):
+    scene = clip.result.scene if scene is None else scene
+    objects = known_tracks(scene, clip.objects)
+    count, found = len(clip.motions), []
+    for index, (person, motion) in enumerate(zip(clip.result.people, clip.motions, strict=True)):
         truth = None
         if task.truth is not None:
             truth = truth_of(
@@ -200,8 +200,8 @@ def _of_result(task: Task, reading: Reading, scene: Scene | None) -> list[Judged
                 objects=bool(objects),
             )
         verdict = judge(
-            person.motion,
-            reading.body(person.body, person.motion),
+            motion,
+            reading.body(person.body, motion),
             scene,
             None if truth is None else truth.motion,
             objects=objects,

@@ -9,11 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from halfphysics.errors import HalfPhysicsError, InputError
+from halfphysics.judging.played import played
 
 if TYPE_CHECKING:
     from halfphysics.formats.loading import MotionOptions
     from halfphysics.motion.motion import Motion
-    from halfphysics.results.result import ObjectTrack, Result
+    from halfphysics.results.result import ObjectTrack
 
 # Names in a message.
 _NAMED = 12
@@ -50,14 +51,13 @@ def truth_of(
         InputError: The file tells of several people, and which of them it is cannot be known.
     """
     from halfphysics.formats.results.result_file import is_result
-    from halfphysics.results.result import Result
 
     name = how.clip if name is None else name
     if is_result(path):
-        result = Result.load(path)
-        names = [person.name for person in result.people]
+        found = played(path, how)
+        names = [person.name for person in found.result.people]
         which = _which(f"truth: {path}", names, name, index, count)
-        return _of_result(result, how, which)
+        return Truth(found.motions[which], found.objects)
     names = list(_names_in(path))
     if len(names) > 1:
         which = _which(f"truth: {path}", names, name, index, count)
@@ -115,25 +115,6 @@ def _which(where: str, names: Sequence[str], name: str | None, index: int, count
         "names. Give the truth of this person in a file of its own (halfphysics convert --clip "
         "writes one)"
     )
-
-
-def _of_result(result: Result, how: MotionOptions, which: int) -> Truth:
-    """A person of a result, in the frames that are read, on the floor that is said."""
-    from halfphysics.formats.floor import motion_on_floor
-    from halfphysics.results.result import ObjectTrack
-
-    motion = result.people[which].motion
-    objects: Mapping[str, ObjectTrack] = result.objects
-    if (frames := how.frame_range()) is not None:
-        part = slice(*frames)
-        motion = motion[part]
-        objects = {
-            name: ObjectTrack(position=track.position[part], quaternion=track.quaternion[part])
-            for name, track in objects.items()
-        }
-    if how.floor is not None:
-        motion = motion_on_floor(motion, how.floor)
-    return Truth(motion, objects)
 
 
 def _recorded(path: Path, how: MotionOptions) -> Mapping[str, ObjectTrack] | None:

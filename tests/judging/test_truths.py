@@ -14,8 +14,9 @@ from halfphysics.errors import InputError
 from halfphysics.formats import registry, save_people
 from halfphysics.formats.loading import MotionOptions
 from halfphysics.judging.judge import judge_one
-from halfphysics.judging.tasks import Task
+from halfphysics.judging.tasks import Task, tasks_of
 from halfphysics.judging.truths import reference_of, truth_of
+from halfphysics.results.contacts import Contacts
 from halfphysics.results.object_track import ObjectTrack
 from support.made_clips import walk
 
@@ -79,8 +80,40 @@ def test_of_several_people_none_is_taken_for_somebody_else(pair, tmp_path):
     assert np.array_equal(named.motion.translation, second.translation)
 
 
-def test_a_truth_of_one_person_is_that_of_all(library):
+def test_a_truth_of_one_person_is_that_of_all_clips(library):
     assert truth_of(library / "a.npz", MotionOptions(), "anne").objects is None
+
+
+def test_of_several_people_one_has_a_truth_of_one_person(pair, tmp_path):
+    """Who has its name; in a motion without names nobody has."""
+    walk(1)[:8].save(tmp_path / "alone.npz")
+    for one in hp.judge(pair, truth=tmp_path / "alone.npz", jobs=1):
+        assert one.verdict is None
+        assert "alone.npz holds one person, and the result 2" in one.error
+    result = hp.Result.load(pair)
+    second = dataclasses.replace(
+        result,
+        people=result.people[1:],
+        names=("floor", "ball", "person1"),
+        contacts=Contacts.none(),
+    )
+    second.save(tmp_path / "second.npz")
+    first, other = hp.judge(pair, truth=tmp_path / "second.npz", jobs=1)
+    assert (first.name, first.verdict) == (f"{pair}:person0", None)
+    assert "second.npz holds one person" in first.error
+    assert other.verdict["mpjpe_global_mm"] < EXACT
+
+
+def test_of_several_people_of_a_file_none_has_a_truth_of_one_person(tmp_path):
+    people = [walk()[:8], walk(1)[:8]]
+    (path,) = save_people(people, tmp_path / "pair.pkl", [hp.Body.default()] * 2, format="romp")
+    people[0].save(tmp_path / "alone.npz")
+    for one in hp.judge(path, truth=tmp_path / "alone.npz", jobs=1):
+        assert "alone.npz holds one person, and the clip 2" in one.error
+    (task,) = tasks_of([path], tmp_path / "alone.npz")
+    named = hp.judge(path, jobs=1)[0].name.rpartition(":")[2]
+    (one,) = judge_one((task, Options(motion_file=MotionOptions(clip=named))))
+    assert one.verdict is not None  # whom the user named
 
 
 def test_objects_of_a_data_set_are_read_where_they_are_asked_for(library, monkeypatch):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -13,7 +13,7 @@ from halfphysics.base import progress as bars
 from halfphysics.base.validation import file_path, is_whole, shown
 from halfphysics.base.workers import FULL, Death, Pool
 from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning, InputError
-from halfphysics.judging.played import played
+from halfphysics.judging.played import Played, played
 from halfphysics.judging.reading import Files, Reading
 from halfphysics.judging.tasks import Task, tasks_of
 from halfphysics.judging.truths import truth_of
@@ -21,6 +21,7 @@ from halfphysics.judging.truths import truth_of
 if TYPE_CHECKING:
     from halfphysics.metrics import Verdict
     from halfphysics.motion.motion import Motion
+    from halfphysics.results.result import ObjectTrack
     from halfphysics.scene.scene import Scene
 
 
@@ -51,7 +52,8 @@ def judge(
         paths: Motion and result files, folders of them, or globs.
         truth: The true motion: one file for all clips, or a folder with a file of each clip's name.
             Where it holds several people, each is judged against the one of their name, in a result
-            also against the one of their place.
+            also against the one of their place. Of several people only the one of its name is
+            judged against a truth of one person.
         scene: Scene file; of a result, its own scene.
         body: Body model, or a folder of them; None: the default body, of a result its own.
         jobs: Processes to work in; None: one a core. The numbers do not depend on it.
@@ -123,7 +125,7 @@ def judge_one(item: tuple[Task, Reading]) -> list[Judged]:
         warnings.simplefilter("always")
         try:
             tasks = _people(task, reading)
-            people = [one for its in tasks for one in _judged(its, reading)]
+            people = [one for its in tasks for one in _judged(its, reading, len(tasks))]
         except MemoryError:
             raise
         except Exception as error:  # a fault of a reader must not end the others
@@ -157,8 +159,8 @@ def _people(task: Task, reading: Reading) -> list[Task]:
     return [replace(task, clip=track.name) for track in tracks]
 
 
-def _judged(task: Task, reading: Reading) -> list[Judged]:
-    """The people of a result, or the person of a motion."""
+def _judged(task: Task, reading: Reading, count: int) -> list[Judged]:
+    """The people of a result, or the person of a motion, of `count` whom its file tracks."""
     from halfphysics.formats.results.result_file import is_result
     from halfphysics.metrics import judge
 
@@ -168,7 +170,7 @@ def _judged(task: Task, reading: Reading) -> list[Judged]:
             return _of_result(task, reading, scene)
         truth = None
         if task.truth is not None:
-            truth = truth_of(task.truth, reading.motion_file, task.clip)
+            truth = truth_of(task.truth, reading.motion_file, task.clip, count=count)
         motion = _motion(task, reading)
         verdict = judge(
             motion, reading.body(None, motion), scene, None if truth is None else truth.motion
@@ -180,35 +182,51 @@ def _judged(task: Task, reading: Reading) -> list[Judged]:
 
 def _of_result(task: Task, reading: Reading, scene: Scene | None) -> list[Judged]:
     """The realised motions of a result's people, in its scene with its objects."""
-    from halfphysics.metrics import judge
     from halfphysics.metrics.scene_solids import known_tracks
 
     clip = played(task.path, reading.motion_file)
     # Another scene may have other names, and meshes that the result's own has lost.
     scene = clip.result.scene if scene is None else scene
     objects = known_tracks(scene, clip.objects)
-    count, found = len(clip.motions), []
-    for index, (person, motion) in enumerate(zip(clip.result.people, clip.motions, strict=True)):
-        truth = None
-        if task.truth is not None:
-            truth = truth_of(
-                task.truth,
-                reading.motion_file,
-                person.name,
-                index=index,
-                count=count,
-                objects=bool(objects),
-            )
-        verdict = judge(
-            motion,
-            reading.body(person.body, motion),
-            scene,
-            None if truth is None else truth.motion,
-            objects=objects,
-            truth_objects=None if truth is None else truth.objects,
-        )
-        found.append(Judged(f"{task.name}:{person.name}" if count > 1 else task.name, verdict))
+    found = []
+    for index, person in enumerate(clip.result.people):
+        one = task if len(clip.motions) == 1 else replace(task, clip=person.name)
+        try:
+            found.append(Judged(one.name, _of_person(clip, index, task, reading, scene, objects)))
+        except HalfPhysicsError as error:  # such as no truth of theirs
+            found.append(_failed(one, error))
     return found
+
+
+def _of_person(
+    clip: Played,
+    index: int,
+    task: Task,
+    reading: Reading,
+    scene: Scene,
+    objects: Mapping[str, ObjectTrack],
+) -> Verdict:
+    """The realised motion of one of a result's people."""
+    from halfphysics.metrics import judge
+
+    person, motion, truth = clip.result.people[index], clip.motions[index], None
+    if task.truth is not None:
+        truth = truth_of(
+            task.truth,
+            reading.motion_file,
+            person.name,
+            index=index,
+            count=len(clip.motions),
+            objects=bool(objects),
+        )
+    return judge(
+        motion,
+        reading.body(person.body, motion),
+        scene,
+        None if truth is None else truth.motion,
+        objects=objects,
+        truth_objects=None if truth is None else truth.objects,
+    )
 
 
 def _motion(task: Task, reading: Reading) -> Motion:

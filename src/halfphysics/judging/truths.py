@@ -33,9 +33,10 @@ def truth_of(
     how: MotionOptions,
     name: str | None,
     *,
-    index: int = 0,
+    index: int | None = None,
     count: int = 1,
     objects: bool = False,
+    what: str = "truth",
 ) -> Truth:
     """The truth of one person.
 
@@ -43,12 +44,14 @@ def truth_of(
         path: The file of truths.
         how: What motion files cannot say; truths are read as clips are.
         name: The person's name in the file that is judged; None: they have none.
-        index: Their place among the people of a result.
-        count: How many people that result has; truths of as many may have other names.
+        index: Their place among the people of a result; None: the file is none.
+        count: How many people are judged; truths of as many may have other names in a result.
         objects: Whether tracks of objects are read, where there are any.
+        what: The file of truths in messages.
 
     Raises:
-        InputError: The file tells of several people, and which of them it is cannot be known.
+        InputError: Which of the people that the file tells of it is cannot be known, or it tells of
+            one, and of the people who are judged that is another one.
     """
     from halfphysics.formats.results.result_file import is_result
 
@@ -56,12 +59,11 @@ def truth_of(
     if is_result(path):
         found = played(path, how)
         names = [person.name for person in found.result.people]
-        which = _which(f"truth: {path}", names, name, index, count)
+        which = _which(f"{what}: {path}", names, name, index, count)
         return Truth(found.motions[which], found.objects)
     names = list(_names_in(path))
-    if len(names) > 1:
-        which = _which(f"truth: {path}", names, name, index, count)
-        how = replace(how, clip=names[which])
+    which = _which(f"{what}: {path}", names, name, index, count)
+    how = replace(how, clip=names[which] if len(names) > 1 else None)  # that of who is judged
     return Truth(how.load(path), _recorded(path, how) if objects else None)
 
 
@@ -69,21 +71,13 @@ def reference_of(path: Path, name: str, *, index: int, count: int) -> Motion:
     """The motion that one of `count` people of a result is compared with (see `truth_of`).
 
     Raises:
-        InputError: As `truth_of`; the file tells of one person, and the result of several.
+        InputError: As `truth_of`.
     """
     from halfphysics.formats.loading import MotionOptions
-    from halfphysics.formats.results.result_file import is_result
-    from halfphysics.results.result import Result
 
     if count == 1:
         return MotionOptions().load(path)
-    people = len(Result.load(path).people) if is_result(path) else len(_names_in(path))
-    if people < 2:
-        raise InputError(
-            f"reference: {path} holds one person, and the result {count}; expected as many, or the "
-            "same names. Compare with a result or a file of all of them"
-        )
-    return truth_of(path, MotionOptions(), name, index=index, count=count).motion
+    return truth_of(path, MotionOptions(), name, index=index, count=count, what="reference").motion
 
 
 def _names_in(path: Path) -> Sequence[str]:
@@ -100,13 +94,21 @@ def _names_in(path: Path) -> Sequence[str]:
     return () if format.clips is None else list(format.clips(source))
 
 
-def _which(where: str, names: Sequence[str], name: str | None, index: int, count: int) -> int:
+def _which(
+    where: str, names: Sequence[str], name: str | None, index: int | None, count: int
+) -> int:
     """Which of the people or clips of a file of truths a person is."""
-    if len(names) < 2:
-        return 0
     if name in names:
         return names.index(name)
-    if 1 < count == len(names):
+    if len(names) < 2:
+        if count > 1:
+            other = "the clip" if index is None else "the result"
+            raise InputError(
+                f"{where} holds one person, and {other} {count}; expected as many, or the same "
+                "names. Compare with a result or a file of all of them"
+            )
+        return 0
+    if index is not None and 1 < count == len(names):
         return index
     shown = ", ".join(names[:_NAMED]) + (", ..." if len(names) > _NAMED else "")
     who = "one motion without a name" if name is None else f"none of the name {name!r}"

@@ -12,6 +12,7 @@ import halfphysics as hp
 from halfphysics.base import rotations as rot
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
 from halfphysics.support import estimate
+from halfphysics.support.support import Pressure
 from support import standing
 from support.people import FACING_X, t_pose
 
@@ -155,6 +156,22 @@ def test_surfaces_and_parts(found):
         support.on("left_toe")
     assert abs(force[5, 0]) < 0.1 * support.weight  # the feet do not press against the seat
     assert found["leaning"][1].surface("wall")[0][5, 0] < -20.0
+
+
+def test_a_force_that_acts_nowhere_moves_no_centre_of_pressure(found):
+    """What the filter leaves beside an impulse: it was taken to act at the world's origin."""
+    support = found["standing"][1]
+    shape = (len(support), 1, 3)
+    trace = dataclasses.replace(
+        support,
+        names=(*support.names, "ball"),
+        force=np.concatenate([support.force, np.full(shape, 5.0)], axis=1),
+        cop=np.concatenate([support.cop, np.full(shape, np.nan)], axis=1),
+    )
+    np.testing.assert_array_equal(trace.total_cop, support.total_cop)
+    alone = dataclasses.replace(trace, pressure=Pressure.none())
+    alone = dataclasses.replace(alone, cop=np.full_like(trace.cop, np.nan))
+    assert np.isnan(alone.total_cop).all()
 
 
 @pytest.mark.parametrize("height", [-0.03, 0.01, 0.03])

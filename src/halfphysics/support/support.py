@@ -168,13 +168,15 @@ class Support(ReadOnly):
     @cached_property
     def total_cop(self) -> Array:
         """Centre of pressure of everything together (T, 3) [m], weighted by the upward forces on
-        the skin, those of soft layers and of other known impulses included; nan without any.
+        the skin, those of soft layers and of other known impulses included; nan without any. Traces
+        of impulses, which have no centre of pressure of their own, have no part in it.
         """
         upward = np.maximum(self.pressure.force @ self.up, 0.0)[:, None]
         rows = np.concatenate([upward * self.pressure.position, upward], axis=1)
         total = sums(rows, self.pressure.frame, (len(self),))
         known = self._known @ self.up
-        known = np.where(known > KNOWN * self.weight, known, 0.0)
+        placed = np.isfinite(self.cop).all(axis=2)
+        known = np.where(placed & (known > KNOWN * self.weight), known, 0.0)
         total[:, :3] += np.einsum("ts,tsi->ti", known, np.nan_to_num(self.cop))
         total[:, 3] += known.sum(axis=1)
         return _mean(total)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -142,3 +144,41 @@ def test_what_goes_its_own_way_disturbs_nothing():
     found = report(result)
     assert found.disturbed == 0
     assert np.isnan(found.disturbance)
+
+
+CABINET = """
+<mujoco><worldbody><body name="case" pos="0 0 1"><geom type="box" size=".3 .3 .3"/>
+<body name="door" pos="0 -.35 0"><joint axis="0 0 1"/><geom type="box" size=".3 .02 .3" mass="1"/>
+</body></body></worldbody></mujoco>"""
+
+
+def test_what_no_joint_moves_is_fixed(tmp_path):
+    """A cabinet's case is, as a static is; its door is not."""
+    path = tmp_path / "cabinet.xml"
+    path.write_text(CABINET)
+    scene = hp.Scene()
+    scene.add_static("wall", hp.Box((0.1, 0.1, 0.1)), position=(9.0, 9.0, 9.0))
+    scene.add_articulated("cabinet", path, position=(3.0, 0.0, 0.0))
+    result = hp.simulate(moved(np.zeros((10, 3))), scene, body=BODY)
+    for name, percent in (("wall", 50.0), ("cabinet/case", 50.0), ("cabinet/door", 0.0)):
+        contacts = Contacts(
+            frame=np.arange(5, 10),
+            person=np.zeros(5, dtype=int),
+            part=np.full(5, 20),
+            subject=np.full(5, -1),
+            other=np.full(5, result.names.index(name)),
+            other_part=np.full(5, -1),
+            position=np.tile([0.0, -0.5, 1.0], (5, 1)),
+            normal=np.tile([0.0, -1.0, 0.0], (5, 1)),
+            impulse=np.tile([0.0, -5.0, 0.0], (5, 1)),
+        )
+        touched = dataclasses.replace(result, contacts=contacts)
+        assert report(touched, floor=0.0).collision_percent == percent, name
+
+
+@pytest.mark.parametrize("floor", ["low", float("nan"), [0.0, 1.0]])
+def test_what_is_no_result_and_no_floor(pushed, floor):
+    with pytest.raises(InputError, match=r"result: expected a halfphysics\.Result"):
+        report(pushed.people[0].motion)
+    with pytest.raises(InputError, match="floor: "):
+        report(pushed, floor=floor)

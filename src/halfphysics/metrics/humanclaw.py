@@ -19,7 +19,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.validation import number
 from halfphysics.errors import InputError
+from halfphysics.metrics.argument_checks import check_result
+from halfphysics.metrics.scene_solids import links_of
 from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.scene.trajectories import KinematicObject
 
@@ -57,8 +60,8 @@ class HumanClawReport:
     """HumanCLAW's measures of one result.
 
     Attributes:
-        collision_percent: Coll%: share of decision steps with a contact with something fixed
-            higher than 2.05 cm above the floor [%].
+        collision_percent: Coll%: share of decision steps with a contact with something fixed (a
+            static, a link that no joint moves) higher than 2.05 cm above the floor [%].
         collision_groups: The same by the part of the body that touched.
         disturbed: #Dtb: objects that the person moved, directly or through others.
         disturbance: dDtb: mean path of these from then on [m]; NaN if there are none.
@@ -86,11 +89,14 @@ def report(
             frame.
 
     Raises:
-        InputError: Steps that are not ascending frames of the result.
+        InputError: No result, a floor that is no number, or steps that are not ascending frames of
+            the result.
     """
+    check_result(result)
     person = result.people[0]
     if floor is None:
         floor = float(person.body.vertices(person.motion, frames=0)[:, 2].min())
+    floor = number(floor, "floor", unit="m")
     steps = _steps(step_starts, len(person.motion))
     share, groups = _collisions(result, steps, floor)
     paths, escaped = _disturbed(result)
@@ -143,8 +149,9 @@ def _steps(starts: ArrayLike | None, frames: int) -> NDArray[np.intp]:
 def _collisions(
     result: Result, steps: NDArray[np.intp], floor: float
 ) -> tuple[float, dict[str, float]]:
-    contacts = result.contacts
-    fixed = np.array([name in result.scene.statics for name in result.names])
+    contacts, links = result.contacts, links_of(result.scene)
+    stands = {*result.scene.statics, *(name for name, (_, link) in links.items() if link.fixed)}
+    fixed = np.array([name in stands for name in result.names])
     touched = (contacts.person == 0) & fixed[contacts.other]
     touched &= contacts.position[:, 2] - floor > ABOVE_FLOOR
     step, part = steps[contacts.frame[touched]], contacts.part[touched]

@@ -51,7 +51,7 @@ def test_a_result_is_judged_in_the_frames_of_its_truth(result):
 
 
 def test_fewer_than_two_frames_are_refused(result):
-    with pytest.raises(InputError, match="frames: found 7:, but .*result.npz has 8 frames"):
+    with pytest.raises(InputError, match=r"frames: found 7:, but .*result\.npz has 8 frames"):
         played(result, MotionOptions(frames="7:"))
 
 
@@ -59,7 +59,7 @@ def test_fewer_than_two_frames_are_refused(result):
 def test_a_result_has_the_floor_of_its_scene(result, floor):
     """People would be moved away from their scene, or a true person from the true ball."""
     how = MotionOptions(floor=floor)
-    message = f"floor: found {floor}, but .*result.npz is a result, which stands on the floor"
+    message = rf"floor: found {floor}, but .*result\.npz is a result, which stands on the floor"
     with pytest.raises(InputError, match=message):
         truth_of(result, how, None, objects=True)
     (one,) = judge_one((Task(result), Options(motion_file=how)))

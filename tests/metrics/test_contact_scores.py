@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from halfphysics import metrics
+from halfphysics.errors import InputError
 from halfphysics.metrics.contact_scores import HANDS, hand_contact
 from halfphysics.motion.skeleton import JOINT_NAMES
 
@@ -27,3 +28,10 @@ def test_either_hand_touches_below_5_cm() -> None:
     distance = np.array([[0.06, 0.06], [0.049, 1.0], [1.0, -0.02], [0.05, 0.05]])
     assert hand_contact(distance).tolist() == [False, True, True, False]
     assert [JOINT_NAMES[hand] for hand in HANDS] == ["left_middle1", "right_middle1"]
+
+
+@pytest.mark.parametrize("truth", [[1], [1, 0, 1], [[1, 1]], [1, float("nan")]])
+def test_labels_are_of_the_same_frames(truth: list[float]) -> None:
+    """One label more was an error of numpy, a single one a recall of 4."""
+    with pytest.raises(InputError, match="truth: found"):
+        metrics.contact_scores([1, 1], truth)

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from halfphysics import metrics
+from halfphysics.errors import InputError
 from halfphysics.metrics.kimodo import foot_contacts
 
 EXACT = 1e-9
@@ -75,3 +76,14 @@ def test_without_contact_nothing_skates() -> None:
     assert metrics.foot_skate_from_height(joints, 30.0) == 0.0
     assert metrics.foot_skate_ratio(joints, 30.0) == 0.0
     assert metrics.foot_skate_from_contacts(joints, 30.0, np.zeros((9, 4), dtype=bool)) == 0.0
+
+
+@pytest.mark.parametrize("contacts", [np.ones((2, 4)), np.ones((6, 2)), np.full((6, 4), np.nan)])
+def test_labels_are_of_the_joints_frames(contacts: np.ndarray) -> None:
+    """Two labels were one for all steps."""
+    joints = np.zeros((6, 22, 3))
+    for measure in (metrics.foot_skate_from_contacts, metrics.foot_contact_consistency):
+        with pytest.raises(InputError, match="contacts: found"):
+            measure(joints, 30.0, contacts)
+        with pytest.raises(InputError, match="joints: found 396 numbers that are not finite"):
+            measure(joints + np.nan, 30.0, np.ones((6, 4)))

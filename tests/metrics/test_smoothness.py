@@ -82,3 +82,11 @@ def test_acceleration_error_by_hand(fps: float) -> None:
     # A motion of the whole has no error relative to the hips.
     moved = x + np.cumsum(np.ones((9, 1, 3)), axis=0) ** 3
     assert metrics.acceleration_error(moved, x, fps) == pytest.approx(0.0, abs=1e-8)
+
+
+def test_the_truth_of_accelerations_has_the_same_joints() -> None:
+    """Three frames, which have one acceleration, were the truth of all."""
+    joints = np.random.default_rng(0).normal(size=(9, 22, 3))
+    for truth in (joints[:3], joints[:, :5], joints + np.nan):
+        with pytest.raises(InputError, match="truth: found"):
+            metrics.acceleration_error(joints, truth, 30.0)

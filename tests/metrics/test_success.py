@@ -40,3 +40,12 @@ def test_phc_fails_in_one_frame_over_half_a_metre() -> None:
     assert not metrics.phc_success(far, truth)
     far[3, :11] -= [0.02, 0.0, 0.0]
     assert metrics.phc_success(far, truth)
+
+
+def test_the_truth_of_phc_has_the_same_joints() -> None:
+    """A truth of one frame was that of all; joints that are no numbers are near none."""
+    joints = np.zeros((4, 22, 3))
+    for truth in (joints[:1], joints[:, :5], joints + np.nan):
+        with pytest.raises(InputError, match="truth: found"):
+            metrics.phc_success(joints, truth)
+    assert not metrics.phc_success(joints + np.nan, joints)

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import halfphysics as hp
 from halfphysics import metrics
+from halfphysics.errors import InputError
 from halfphysics.metrics.world_error import pieces, sole_vertices
 
 EXACT = 1e-9
@@ -111,3 +112,18 @@ def test_soles_are_toes_and_heels() -> None:
     assert left_toe[0] > 0.0 > right_toe[0]
     np.testing.assert_allclose(left_heel * [-1, 1, 1], right_heel, atol=5e-3)
     assert max(left_toe[1], left_heel[1]) < ankle[1]
+
+
+@pytest.mark.parametrize(
+    "measure", [metrics.wa_mpjpe, metrics.w_mpjpe, metrics.rte, metrics.world_foot_sliding]
+)
+def test_the_truth_has_the_same_points(measure) -> None:
+    """A longer truth was cut, and what is no number ended in an error of linear algebra."""
+    points = np.random.default_rng(0).normal(size=(120, 4, 3))
+    points = points[:, 0] if measure is metrics.rte else points
+    longer = np.concatenate([points, points])
+    for truth in (longer, longer[:121], points[:1], points + np.nan):
+        with pytest.raises(InputError, match="truth: found"):
+            measure(points, truth)
+    with pytest.raises(InputError, match="found .* numbers that are not finite"):
+        measure(points + np.nan, points)

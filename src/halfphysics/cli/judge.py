@@ -58,8 +58,8 @@ class Command:
 
     Such as PhysDiff's physical error, GMD's skating ratio, Kimodo's and EgoEgo's foot sliding,
     IPMAN's stability; with --scene POSA's non-collision and contact; with --truth the errors of
-    EMDB. Of a result, the motion that came out is judged, in its scene, on that floor; --frames cuts
-    results too. A file that cannot be read is a line of the table, the others go on.
+    EMDB. Of a result, the motion that came out is judged, in its scene, on that floor; --frames is
+    for results, too. A file that cannot be read is a line of the table, the others go on.
     """
 
     files: Annotated[tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="FILE")]

@@ -67,7 +67,28 @@ def numbers_of(name: str, value: ArrayLike) -> Array:
         raise InputError(f"{name}: not an array of numbers ({error})") from None
 
 
-def flags_of(name: str, value: ArrayLike) -> NDArray[np.bool_]:
-    """`value` as an array of true and false. Raises `InputError` as `numbers_of`."""
-    flags: NDArray[np.bool_] = numbers_of(name, value) != 0.0
-    return flags
+def beside(name: str, value: ArrayLike, truth: ArrayLike) -> tuple[Array, Array]:
+    """Two arrays of finite numbers of one shape: `value`, and its `truth`.
+
+    Raises:
+        InputError: Something else.
+    """
+    own = finite_of(name, value)
+    return own, finite_of("truth", truth, own.shape, f"'{name}'")
+
+
+def finite_of(
+    name: str, value: ArrayLike, shape: tuple[int, ...] | None = None, of: str = ""
+) -> Array:
+    """`value` as an array of finite numbers, of a shape where one is given, as `of` has it.
+
+    Raises:
+        InputError: Something else.
+    """
+    array = numbers_of(name, value)
+    if shape is not None and array.shape != shape:
+        raise InputError(f"{name}: found shape {array.shape}, expected {shape} as of {of}")
+    if not np.isfinite(array).all():
+        count = int((~np.isfinite(array)).sum())
+        raise InputError(f"{name}: found {count} numbers that are not finite, expected none")
+    return array

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from halfphysics.metrics.argument_checks import flags_of, numbers_of
+from halfphysics.metrics.argument_checks import beside, numbers_of
 from halfphysics.motion.skeleton import JOINT_INDEX
 
 #: A hand nearer than this to a thing touches it [m].
@@ -46,8 +46,11 @@ def contact_scores(contact: ArrayLike, truth: ArrayLike) -> ContactScores:
     Args:
         contact: Whether there is contact (T,).
         truth: Whether there truly is (T,).
+
+    Raises:
+        InputError: Labels of different lengths, or not of numbers.
     """
-    said, true = flags_of("contact", contact), flags_of("truth", truth)
+    said, true = (labels != 0.0 for labels in beside("contact", contact, truth))
     hits = int((said & true).sum())
     precision = hits / int(said.sum()) if said.any() else 0.0
     recall = hits / int(true.sum()) if true.any() else 0.0

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from halfphysics.metrics.argument_checks import Array, flags_of, numbers_of
+from halfphysics.metrics.argument_checks import Array, finite_of, numbers_of
 from halfphysics.metrics.foot_sliding import TOES
 
 #: Left ankle, left toe, right ankle, right toe: the columns of contact labels.
@@ -61,9 +61,12 @@ def foot_skate_from_contacts(joints: ArrayLike, fps: float, contacts: ArrayLike)
         joints: Positions (T, J, 3) [m], T >= 2.
         fps: Frames per second.
         contacts: ArrayLike (T, 4): left ankle, left toe, right ankle, right toe.
+
+    Raises:
+        InputError: Labels of another shape, or numbers that are not finite.
     """
-    joints = numbers_of("joints", joints)
-    return _mean(_speeds(joints[:, FEET], fps), flags_of("contacts", contacts)[:-1])
+    joints, labels = _labelled(joints, contacts)
+    return _mean(_speeds(joints[:, FEET], fps), labels[:-1])
 
 
 def foot_contact_consistency(
@@ -77,10 +80,13 @@ def foot_contact_consistency(
         fps: Frames per second.
         contacts: ArrayLike (T, 4), as of `foot_skate_from_contacts`.
         ground: Height of the ground [m].
+
+    Raises:
+        InputError: As `foot_skate_from_contacts`.
     """
-    joints = numbers_of("joints", joints)
+    joints, labels = _labelled(joints, contacts)
     told = foot_contacts(joints, fps, ground=ground)
-    wrong = told[:-1] != flags_of("contacts", contacts)[:-1]
+    wrong = told[:-1] != labels[:-1]
     return float(1.0 - wrong.mean())
 
 
@@ -94,6 +100,19 @@ def foot_contacts(joints: ArrayLike, fps: float, *, ground: float = 0.0) -> Labe
     slow = np.concatenate([speeds, speeds[-1:]]) < CONTACT_SPEED
     labels: Labels = slow & (joints[:, FEET, 2] - ground < CONTACT_HEIGHT)
     return labels
+
+
+def _labelled(joints: ArrayLike, contacts: ArrayLike) -> tuple[Array, Labels]:
+    """Joints (T, J, 3) and contact labels (T, 4), checked.
+
+    Raises:
+        InputError: Labels of another shape, or numbers that are not finite.
+    """
+    joints = finite_of("joints", joints)
+    labels = finite_of(
+        "contacts", contacts, (len(joints), len(FEET)), "frames and feet of 'joints'"
+    )
+    return joints, labels != 0.0
 
 
 def _speeds(points: Array, fps: float) -> Array:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from halfphysics.metrics.argument_checks import joints_of, numbers_of
+from halfphysics.metrics.argument_checks import beside, joints_of, numbers_of
 
 #: Hips, left and right, in SMPL's order: their middle is the pelvis of `acceleration_error`.
 HIPS = (1, 2)
@@ -60,8 +60,11 @@ def acceleration_error(joints: ArrayLike, truth: ArrayLike, fps: float) -> float
         joints: Positions (T, J, 3) [m], T >= 3.
         truth: The true ones (T, J, 3) [m].
         fps: Frames per second.
+
+    Raises:
+        InputError: A truth of another shape, or numbers that are not finite.
     """
-    joints, truth = numbers_of("joints", joints), numbers_of("truth", truth)
+    joints, truth = beside("joints", joints, truth)
     own, true = (p - p[:, HIPS].mean(axis=1, keepdims=True) for p in (joints, truth))
     error = np.diff(own, n=2, axis=0) - np.diff(true, n=2, axis=0)
     return float(fps**2 * np.linalg.norm(error, axis=-1).mean())

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from halfphysics.base.arrays import as_array
-from halfphysics.metrics.argument_checks import check_motion, numbers_of
+from halfphysics.metrics.argument_checks import check_motion, finite_of, numbers_of
 
 #: Mean joint error over which a clip is a failure of PHC [m].
 FAR = 0.5
@@ -40,13 +40,17 @@ def phc_success(joints: ArrayLike, truth: ArrayLike) -> bool:
     """PHC's success: in no frame is the mean distance of the joints from the truth over 0.5 m.
 
     Positions are those in the world, nothing is aligned. The share of clips for which this holds is
-    the success rate.
+    the success rate. Joints that are not finite are far from all.
 
     Source: Perpetual Humanoid Control (Luo et al. 2023), ZhengyiLuo/PHC.
 
     Args:
         joints: Positions (T, J, 3) [m].
         truth: The true ones (T, J, 3) [m].
+
+    Raises:
+        InputError: A truth of another shape, or one that is not finite.
     """
-    joints, truth = numbers_of("joints", joints), numbers_of("truth", truth)
+    joints = numbers_of("joints", joints)
+    truth = finite_of("truth", truth, joints.shape, "'joints'")
     return bool((np.linalg.norm(joints - truth, axis=-1).mean(axis=1) <= FAR).all())

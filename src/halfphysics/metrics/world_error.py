@@ -2,7 +2,8 @@
 
 Source: EMDB (Kaufmann et al. 2023) as WHAM (Shin et al. 2024) evaluates it, yohanshin/WHAM
 lib/eval/eval_utils.py, which follows SLAHMR (Ye et al. 2023). Joints (T, J, 3) [m]; there J = 24 of
-SMPL, the judge takes the first 22, which SMPL, SMPL-H and SMPL-X share.
+SMPL, the judge takes the first 22, which SMPL, SMPL-H and SMPL-X share. A truth of another shape,
+and numbers that are not finite, are an `InputError`.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from halfphysics.metrics.argument_checks import Array, numbers_of
+from halfphysics.metrics.argument_checks import Array, beside
 from halfphysics.motion.skeleton import JOINT_INDEX
 
 #: Frames of a piece that is aligned as one.
@@ -69,7 +70,7 @@ def rte(path: ArrayLike, truth: ArrayLike) -> float:
         path: Positions of the root (T, 3) [m].
         truth: The true ones (T, 3) [m].
     """
-    path, truth = numbers_of("path", path), numbers_of("truth", truth)
+    path, truth = beside("path", path, truth)
     length = float(np.linalg.norm(np.diff(truth, axis=0), axis=1).sum())
     if length == 0.0:
         return float("nan")
@@ -86,7 +87,7 @@ def world_foot_sliding(soles: ArrayLike, truth: ArrayLike, *, contact: float = C
         truth: The true ones (T, 4, 3) [m].
         contact: Displacement of the truth under which a vertex is in contact [m].
     """
-    soles, truth = numbers_of("soles", soles), numbers_of("truth", truth)
+    soles, truth = beside("soles", soles, truth)
     moved, true = (np.linalg.norm(np.diff(p, axis=0), axis=-1) for p in (soles, truth))
     held = true < contact
     return float(1000.0 * moved[held].mean()) if held.any() else float("nan")
@@ -111,7 +112,7 @@ def sole_vertices(body: Any) -> NDArray[np.intp]:
 
 def _in_pieces(joints: ArrayLike, truth: ArrayLike, by: slice) -> float:
     """Mean error [mm] of pieces that are aligned by the frames `by` of each."""
-    joints, truth = numbers_of("joints", joints), numbers_of("truth", truth)
+    joints, truth = beside("joints", joints, truth)
     errors = []
     for piece in pieces(len(joints)):
         own, true = joints[piece], truth[piece]

@@ -121,3 +121,20 @@ def test_a_mesh_gives_what_its_shape_gives():
         cloud = Ball(points, NO_FACES)
         gaps.append(carrying_gaps(Drift(np.zeros((2, 3))), cloud, scene, np.arange(300) % 7).gap)
     assert gaps[1] == pytest.approx(gaps[0], abs=1e-9)
+
+
+def test_every_frame_is_posed_once(monkeypatch):
+    """Not all frames for each batch of them, which is quadratic in the length of a clip."""
+    body, posed, real = Body.default(), [], Body.joint_frames
+
+    def counted(self, motion):
+        posed.append(len(motion))
+        return real(self, motion)
+
+    monkeypatch.setattr(Body, "joint_frames", counted)
+    motion = Motion(np.tile([0.0, 0.0, 1.0], (70, 1)), np.zeros((70, 55, 3)), 30.0)
+    scene = Scene()
+    scene.add_static("floor", Plane())
+    carrying_gaps(motion, body, scene, np.zeros(len(body.rest_vertices), dtype=int))
+    assert sum(posed) == 70
+    assert len(posed) > 1

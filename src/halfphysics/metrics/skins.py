@@ -20,6 +20,11 @@ def frames_of(motion: Any) -> int:
     return np.shape(motion.rotations)[0] if np.ndim(motion.rotations) == 3 else 1
 
 
+def frames_in(motion: Any, part: slice) -> Any:
+    """The frames `part` of a motion; all of it, or a single pose, as it is."""
+    return motion if part == slice(0, frames_of(motion)) else motion[part]
+
+
 def batches(frames: int, what: str) -> Iterator[slice]:
     """Slices of nearly equal length that cover all frames, none of a single frame of several.
 
@@ -32,6 +37,5 @@ def batches(frames: int, what: str) -> Iterator[slice]:
 
 def skin(motion: Any, body: Any, part: slice) -> Array:
     """Vertices (t, V, 3) of the frames `part` of a motion, or of a single pose [m]."""
-    whole = part == slice(0, frames_of(motion))
-    vertices = as_array(body.vertices(motion if whole else motion[part]))
+    vertices = as_array(body.vertices(frames_in(motion, part)))
     return vertices.reshape(-1, *vertices.shape[-2:])

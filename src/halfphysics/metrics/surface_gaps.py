@@ -15,7 +15,7 @@ from halfphysics.geometry.shape_base import Shape
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Sphere
 from halfphysics.metrics.argument_checks import Array
 from halfphysics.metrics.scene_solids import Solid, solids_of, tracks_of
-from halfphysics.metrics.skins import batches, frames_of, skin
+from halfphysics.metrics.skins import batches, frames_in, frames_of, skin
 
 if TYPE_CHECKING:
     from halfphysics.scene.scene import Scene
@@ -253,7 +253,8 @@ def _may_be_carried(
     body: Any, motion: Any, part: slice, rest: tuple[NDArray[np.intp], Array]
 ) -> NDArray[np.bool_]:
     """Vertices (t, V) whose normal, turned with their part, does not point up by over `FACING`."""
-    turns = rot.to_matrix(body.joint_frames(motion)[1].reshape(-1, 55, 4)[part])
+    posed = body.joint_frames(frames_in(motion, part))[1]
+    turns = rot.to_matrix(posed.reshape(-1, 55, 4))
     of, normal = rest
     upward = np.einsum("tvi,vi->tv", turns[:, :, 2][:, of], normal)
     result: NDArray[np.bool_] = upward < FACING

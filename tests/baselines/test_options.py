@@ -51,6 +51,7 @@ def test_options_of_torques_count_with_torques_alone():
     ("options", "said"),
     [
         ({"mode": "torqe"}, "mode is 'torqe'; expected 'velocity' or"),
+        ({"mode": ["kinematic"]}, r"mode is \['kinematic'\]; expected 'velocity' or"),
         ({"stifness": 1.0}, "found .'stifness'"),
         ({"mode": "kinematic", "joint_damping": 1.0}, "joint_damping is 1.0 with mode='kinematic'"),
         ({"mode": "engine_velocity", "internal_forces": True}, "internal_forces is True with"),

@@ -127,6 +127,28 @@ def test_farther_than_clearance_and_a_millimetre_is_no_contact():
         contact_labels(result.motion)
 
 
+def test_ids_are_of_people_and_objects_that_are_there():
+    labels = contact_labels(story("kick_ball", 60, 70))
+    for wrong in ("ball", 1, -1, None):
+        with pytest.raises(InputError, match=r"labels: found person 0 and object .*\(0: ball\)"):
+            labels.object_ids(item=wrong)
+        with pytest.raises(InputError, match=r"labels: found object .*, expected one of 1 objects"):
+            labels.people[0].body(wrong)
+        with pytest.raises(InputError, match=r"labels: found person .* and object 0"):
+            labels.object_ids(person=wrong)
+
+
+def test_without_objects_the_first_has_no_vertices():
+    motion = hp.scenarios.load("kick_ball").motions[0][60:64]
+    labels = contact_labels(hp.simulate(motion, hp.Scene()))
+    assert labels.object.shape == (4, 0)
+    assert not labels.body.any()
+    with pytest.raises(InputError, match=r"expected one of 1 people and of 0 objects"):
+        labels.object_ids(item=1)
+    with pytest.raises(InputError, match="expected one of 0 objects"):
+        labels.people[0].body(1)
+
+
 def test_what_has_bounced_far_off_by_the_end_of_the_frame_has_no_distance():
     """0.8 m a frame: the ball meets the wall and is beyond the reach of 0.1 m again."""
     scene = hp.Scene(gravity=0.0)

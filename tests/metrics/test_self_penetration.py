@@ -7,6 +7,7 @@ import pytest
 
 import halfphysics as hp
 from halfphysics import metrics
+from halfphysics.errors import InputError
 from halfphysics.metrics.segments import NAMES, neighbours, segments
 from halfphysics.metrics.self_penetration import depths
 from support.boxes import box_person
@@ -83,3 +84,14 @@ def test_at_most_so_many_frames() -> None:
     body, motion = hp.Body.default(), posed(*np.linspace(0.0, 1.0, 30))
     assert len(metrics.self_penetration(motion, body, most=4).frames) == 4
     assert metrics.self_penetration(motion, body, most=4).frames.tolist() == [0, 10, 19, 29]
+
+
+def test_what_is_no_motion_no_body_and_no_number_of_frames() -> None:
+    body, motion = hp.Body.default(), posed(0.0, 1.0)
+    with pytest.raises(InputError, match=r"motion: expected a halfphysics\.Motion or Pose"):
+        metrics.self_penetration("a", body)
+    with pytest.raises(InputError, match=r"body: expected a halfphysics\.Body"):
+        metrics.self_penetration(motion, "a")
+    for most in (0, -1, 1.5, "all"):
+        with pytest.raises(InputError, match="most: expected a whole number of at least 1"):
+            metrics.self_penetration(motion, body, most=most)

@@ -12,6 +12,7 @@ from scipy.optimize import linprog
 
 import halfphysics as hp
 from halfphysics import metrics
+from halfphysics.errors import InputError
 from halfphysics.metrics.segments import segments
 from halfphysics.metrics.stability import POINTS, in_hull, skin_points, stability_of
 from support.boxes import box_person
@@ -108,3 +109,13 @@ def test_a_report_leaves_out_frames_in_the_air() -> None:
     flying = metrics.stability(upright(9.0, 9.0), body)
     assert np.isnan(flying.error_mm)
     assert np.isnan(flying.bose_percent)
+
+
+def test_what_is_no_motion_no_body_and_no_height() -> None:
+    motion = hp.Motion(np.zeros((2, 3)), np.zeros((2, 55, 3)), 30.0)
+    with pytest.raises(InputError, match=r"motion: expected a halfphysics\.Motion, found"):
+        metrics.stability("a", person())
+    with pytest.raises(InputError, match=r"body: expected a halfphysics\.Body"):
+        metrics.stability(motion, "a")
+    with pytest.raises(InputError, match="ground: expected a number"):
+        metrics.stability(motion, hp.Body.default(), ground="low")

@@ -15,6 +15,7 @@ from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any, Literal
 
+from halfphysics.base.validation import shown
 from halfphysics.baselines.settings import (
     Ablation,
     EngineKinematic,
@@ -77,9 +78,9 @@ def from_options(options: Mapping[str, Any]) -> Settings:
     unknown = [name for name in values if name not in OPTIONS]
     if unknown:
         raise InputError(f"settings: found {unknown}, expected some of {', '.join(OPTIONS)}")
-    if mode not in MODES:
+    if not isinstance(mode, str) or mode not in MODES:
         expected = " or ".join(map(repr, MODES))
-        raise InputError(f"mode is {mode!r}; expected {expected}")
+        raise InputError(f"mode is {shown(mode)}; expected {expected}")
     torque = {name: values.pop(name) for name in _TORQUE if name in values}
     forces = {name: values.pop(name) for name in _FORCES if name in values}
     if mode == "torque":

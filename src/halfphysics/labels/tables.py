@@ -69,7 +69,16 @@ class PersonLabels:
     __repr__ = short_repr
 
     def body(self, item: int = 0) -> Ids:
-        """Ids (T, Vb) of the skin's vertices: their part's id if they touch an object."""
+        """Ids (T, Vb) of the skin's vertices: their part's id if they touch an object.
+
+        Raises:
+            InputError: No such object; without objects the first one touches nothing.
+        """
+        count = len(self.body_near)
+        if not (is_whole(item, least=0, plain=False) and item < max(count, 1)):
+            raise InputError(
+                f"labels: found object {shown(item)}, expected one of {count} objects, by its index"
+            )
         rows = self.body_near[item] if self.body_near else Near.joined([])
         return self._ids(rows)
 
@@ -142,7 +151,12 @@ class ContactLabels:
         return self.people[0].hands_feet
 
     def object_ids(self, person: int = 0, item: int = 0) -> Ids:
-        """Ids (T, Vo) of an object's vertices: the id of the part that they touch."""
+        """Ids (T, Vo) of an object's vertices: the id of the part that they touch.
+
+        Raises:
+            InputError: No such person or object; without objects the first one has no vertices.
+        """
+        self.check(person, item, least=1)
         owner = self.people[person]
         count = len(self.objects[item].vertices) if self.objects else 0
         ids = np.zeros((len(self), count), dtype=np.int8)
@@ -210,14 +224,19 @@ class ContactLabels:
             found |= {f"soft/{key}": value for key, value in _small(soft).items()}
         return found
 
-    def check(self, person: int, item: int) -> None:
+    def check(self, person: int, item: int, *, least: int = 0) -> None:
         """Refuse a person or an object that is not there.
+
+        Args:
+            person: Index into `people`.
+            item: Index into `objects`.
+            least: So many objects are taken to be there.
 
         Raises:
             InputError: It is not.
         """
-        for index, among in ((person, self.people), (item, self.objects)):
-            if not (is_whole(index, least=0, plain=False) and index < len(among)):
+        for index, count in ((person, len(self.people)), (item, max(len(self.objects), least))):
+            if not (is_whole(index, least=0, plain=False) and index < count):
                 names = ", ".join(f"{k}: {one.name}" for k, one in enumerate(self.objects))
                 raise InputError(
                     f"labels: found person {shown(person)} and object {shown(item)}, expected one "

@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base import validation
 from halfphysics.base.short_repr import short_repr
+from halfphysics.errors import InputError
 from halfphysics.geometry.mesh_queries import MeshQuery
-from halfphysics.metrics.argument_checks import Array
+from halfphysics.metrics.argument_checks import Array, check_motion
 from halfphysics.metrics.segments import NAMES, Segments, neighbours, segments
 from halfphysics.metrics.skins import frames_of, skin
 from halfphysics.motion.skeleton import JOINT_INDEX
@@ -68,7 +70,16 @@ def self_penetration(
         motion: T frames, or a single pose.
         body: The person's body.
         most: Most frames to look at, evenly spread; None: all.
+
+    Raises:
+        InputError: No motion, no body, or no whole number of frames.
     """
+    check_motion("motion", motion, pose=True)
+    validation.body(body, "joint_frames")
+    if most is not None and not validation.is_whole(most, least=1, plain=False):
+        raise InputError(
+            f"most: expected a whole number of at least 1, or None, found {validation.shown(most)}"
+        )
     count = frames_of(motion)
     step = count if most is None else min(most, count)
     frames = np.unique(np.linspace(0, count - 1, step).round().astype(np.intp))

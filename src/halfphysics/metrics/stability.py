@@ -17,8 +17,9 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base import validation
 from halfphysics.base.short_repr import short_repr
-from halfphysics.metrics.argument_checks import Array
+from halfphysics.metrics.argument_checks import Array, check_motion
 from halfphysics.metrics.segments import Segments, segments
 from halfphysics.metrics.skins import batches, skin
 
@@ -83,7 +84,13 @@ def stability(motion: Any, body: Any, *, ground: float = 0.0) -> StabilityReport
         motion: T frames.
         body: The person's body; its skin counts.
         ground: Height of the ground [m].
+
+    Raises:
+        InputError: No motion, no body, or a height that is no number.
     """
+    check_motion("motion", motion)
+    validation.body(body, "vertices")
+    ground = validation.number(ground, "ground", unit="m")
     points = skin_points(body)
     parts = [
         stability_of(skin(motion, body, part), points, ground=ground)

@@ -32,6 +32,7 @@ def test_judge_takes_paths(library):
     ("arguments", "message"),
     [
         ({"paths": None}, "path: expected the path of a file.*found None"),
+        ({"paths": []}, "paths: found none, expected motion or result files"),
         ({"paths": 3}, "path: expected the path of a file.*found 3"),
         ({"truth": 3}, "path: expected the path of a file.*found 3"),
         ({"jobs": 1.5}, "jobs: found 1.5, expected a whole number"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from halfphysics.errors import HalfPhysicsError
+from halfphysics.errors import FileError, HalfPhysicsError
 from halfphysics.judging.tasks import tasks_of
 from support.made_clips import walk
 
@@ -31,7 +31,7 @@ def test_truth_by_name(library, tmp_path_factory):
     one = truths / "a.npz"
     assert {t.truth for t in tasks_of([library], one)} == {one}
     (truths / "deep" / "b.npz").unlink()
-    with pytest.raises(HalfPhysicsError, match=r"found no files for b\.npz, expected one"):
+    with pytest.raises(FileError, match=r"found no files for b\.npz, expected one"):
         tasks_of([library], truths)
     with pytest.raises(HalfPhysicsError, match="no such file or folder"):
         tasks_of([library], truths / "gone")

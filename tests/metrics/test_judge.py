@@ -121,6 +121,11 @@ def test_true_hands_are_near_what_was_there_in_the_truth():
             assert alone.missing[key] == "takes tracks of the objects in the truth"
     with pytest.raises(InputError, match="truth_objects: expected names and tracks"):
         metrics.judge(motion, scene=scene, truth=motion, truth_objects=3)
+    short = Track(held.position[:2], held.quaternion[:2])
+    with pytest.raises(InputError, match=r"^truth_objects: 'ball': expected position"):
+        metrics.judge(
+            motion, scene=scene, truth=motion, objects={"ball": lost}, truth_objects={"ball": short}
+        )
 
 
 def test_alone_it_says_what_is_missing_and_why():

@@ -6,8 +6,9 @@ import mujoco
 import numpy as np
 import pytest
 
+from halfphysics.errors import InputError
 from halfphysics.geometry.mesh_queries import MeshQuery
-from halfphysics.mujoco.geoms import mesh_triangles
+from halfphysics.mujoco.geoms import geom_collider, mesh_triangles
 
 #: Of the ball that touches the height field [m].
 RADIUS = 0.02
@@ -63,3 +64,14 @@ def test_a_ball_touches_a_height_field_where_its_triangles_are(field):
                 touched += 1
                 assert min(c.dist for c in data.contact) == pytest.approx(gap, abs=1e-5)
     assert touched > 30
+
+
+def test_what_has_no_collider_is_told_what_helps(field):
+    """A plane may stand where it is; a distance field is refused wherever it is."""
+    model = field[0]
+    ball = model.body("ball").geomadr[0]
+    for kind, wanted in (("PLANE", "Fix it to the world"), ("SDF", "Make it a mesh")):
+        model.geom_type[ball] = getattr(mujoco.mjtGeom, f"mjGEOM_{kind}")
+        with pytest.raises(InputError, match=wanted) as error:
+            geom_collider(model, ball)
+        assert ("moves" in str(error.value)) == (kind == "PLANE")

@@ -65,7 +65,8 @@ def judge(
 
     Raises:
         FileError: A path that does not exist and fits no file; no motion at all; no truth.
-        InputError: `jobs` is no whole number of at least 1, or what should be a path is none.
+        InputError: `jobs` is no whole number of at least 1, there are no paths, or what should be a
+            path is none.
     """
     from halfphysics.base.machine import cores
 
@@ -76,6 +77,8 @@ def judge(
         given = [paths]
     else:
         given = list(paths)
+    if not given:
+        raise InputError("paths: found none, expected motion or result files, or folders of them")
     reading = Files(
         scene_file=None if scene is None else file_path(scene),
         body_model=None if body is None else file_path(body),

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from halfphysics.base.validation import file_path
-from halfphysics.errors import FileError, HalfPhysicsError, InputError
+from halfphysics.errors import FileError, HalfPhysicsError
 
 #: Files under a folder with these suffixes are told of if they cannot be read; others are none.
 MOTION_SUFFIXES = (".npz", ".npy", ".pkl", ".pt", ".bvh", ".mcs")
@@ -84,7 +84,7 @@ def _truth_of(path: Path, given: Path, truth: Path | None) -> Path | None:
     if found is None:
         same = sorted(p for p in truth.rglob(f"{glob.escape(path.stem)}.*") if p.is_file())
         if len(same) != 1:
-            raise InputError(
+            raise FileError(
                 f"--truth {truth}: found {len(same) or 'no'} files for {path.name}, expected one "
                 "of its name. Name the truths as the clips are named"
             )

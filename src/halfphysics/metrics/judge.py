@@ -224,7 +224,7 @@ def _of_hands(
     if true_hands is None or not moved.keys() <= true_objects.keys():
         return
     true_objects = {name: true_objects[name] for name in moved}
-    there = SceneDistance(scene, len(hands), true_objects, planes=False)
+    there = SceneDistance(scene, len(hands), true_objects, planes=False, what="truth_objects")
     scores = contact_scores(contact, hand_contact(there.of(true_hands, whole)))
     found["contact_precision"], found["contact_recall"] = scores.precision, scores.recall
     found["contact_f1"] = scores.f1

@@ -77,6 +77,7 @@ class SceneDistance:
         frames: Number of frames T.
         objects: Name -> track of T poses, as in ``result.objects``.
         planes: Whether planes count (for hands, a floor is no thing).
+        what: Name of the argument `objects` in messages.
     """
 
     def __init__(
@@ -86,8 +87,9 @@ class SceneDistance:
         objects: Mapping[str, Any] | None = None,
         *,
         planes: bool = True,
+        what: str = "objects",
     ) -> None:
-        found = solids_of(scene, tracks_of(scene, objects or {}, frames))
+        found = solids_of(scene, tracks_of(scene, objects or {}, frames, what))
         self.solids: list[Solid] = [
             solid
             for its in found.values()

@@ -60,32 +60,34 @@ def known_contacts(result: Result) -> NDArray[np.bool_]:
 
 
 def tracks_of(
-    scene: Scene, objects: Mapping[str, Any], frames: int
+    scene: Scene, objects: Mapping[str, Any], frames: int, what: str = "objects"
 ) -> dict[str, tuple[Array, Array]]:
     """Positions (T, 3) [m] and quaternions (T, 4) of objects and links by name, checked.
+
+    `what` is the argument in messages.
 
     Raises:
         InputError: No mapping; no such object; no track, or one of another length.
     """
     if not isinstance(objects, Mapping):
         raise InputError(
-            f"objects: expected names and tracks, as in result.objects, found {shown(objects)}"
+            f"{what}: expected names and tracks, as in result.objects, found {shown(objects)}"
         )
     tracks, links = {}, links_of(scene)
     for name, track in objects.items():
         if name not in scene.objects and name not in links:
             known = ", ".join([*scene.objects, *links]) or "none"
-            raise InputError(f"objects: the scene has no object {name!r}; it has: {known}")
+            raise InputError(f"{what}: the scene has no object {name!r}; it has: {known}")
         if not (hasattr(track, "position") and hasattr(track, "quaternion")):
             raise InputError(
-                f"objects: {name!r}: expected a track with position and quaternion, as in "
+                f"{what}: {name!r}: expected a track with position and quaternion, as in "
                 f"result.objects, found {shown(track)}"
             )
         position = np.asarray(array_of(track.position), dtype=np.float64)
         quaternion = np.asarray(array_of(track.quaternion), dtype=np.float64)
         if position.shape != (frames, 3) or quaternion.shape != (frames, 4):
             raise InputError(
-                f"objects: {name!r}: expected position ({frames}, 3) and quaternion ({frames}, 4) "
+                f"{what}: {name!r}: expected position ({frames}, 3) and quaternion ({frames}, 4) "
                 f"for a motion of {frames} frames, found {position.shape} and {quaternion.shape}"
             )
         tracks[name] = position, rotations.normalize(quaternion)

@@ -53,6 +53,12 @@ def geom_collider(model: Any, geom: int) -> ConvexCollider:
         return hull_collider(_ball() * size)
     if kind == "mesh":
         return hull_collider(mesh_triangles(model, geom)[0])
+    if kind == "sdf":
+        raise InputError(
+            f"geom '{geom_name(model, geom)}': a signed distance field (sdf) cannot be touched; "
+            "expected sphere, capsule, ellipsoid, cylinder, box or mesh. Make it a mesh, or set "
+            "contype and conaffinity to 0"
+        )
     raise InputError(
         f"geom '{geom_name(model, geom)}': a {kind} that moves cannot be touched; expected sphere, "
         "capsule, ellipsoid, cylinder, box or mesh. Fix it to the world, or set contype and "

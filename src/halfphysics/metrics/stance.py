@@ -69,8 +69,8 @@ def sole_patches(body: Any) -> NDArray[np.intp]:
     """Patch of every vertex of a body (V,): an index into `PATCHES`, or -1.
 
     The sole of a foot is its skin within 15 mm of its lowest vertex at rest; the toe patch is what
-    of it belongs to the joint "left_foot" (the ball and the toes), the heel the rear third of the
-    rest.
+    of it belongs to the joint "left_foot" (the ball and the toes), the heel what of it belongs to
+    the ankle and lies in the rear 30 % of the whole sole's length.
     """
     part, rest = body.weights.argmax(axis=1), body.rest_vertices
     patch = np.full(len(rest), -1)

@@ -138,7 +138,6 @@ COVERED_BY = {
     "halfphysics/motion/smplx_names.py": "motion/test_motion.py",
     "halfphysics/live/protocols/*.py": "live/protocols/test_vmc.py live/protocols/test_udp.py",
     "halfphysics/mujoco/binding.py": "mujoco/test_control.py mujoco/test_host_model.py",
-    "halfphysics/mujoco/geoms.py": "mujoco/test_control.py",
     "halfphysics/reference/algorithm1.py": "reference/test_step.py native/stepping/test_drive.py",
     "halfphysics/reference/contact.py": "reference/test_step.py native/contact/test_coulomb.py",
     "halfphysics/reference/strength.py": "reference/test_step.py native/stepping/test_strength.py",

@@ -78,7 +78,8 @@ def from_options(options: Mapping[str, Any]) -> Settings:
     unknown = [name for name in values if name not in OPTIONS]
     if unknown:
         raise InputError(f"settings: found {unknown}, expected some of {', '.join(OPTIONS)}")
-    if not isinstance(mode, str) or mode not in MODES:
+    known = isinstance(mode, str) and mode in MODES
+    if not known:
         expected = " or ".join(map(repr, MODES))
         raise InputError(f"mode is {shown(mode)}; expected {expected}")
     torque = {name: values.pop(name) for name in _TORQUE if name in values}

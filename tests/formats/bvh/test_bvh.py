@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 import time
 import warnings
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import halfphysics as hp
 from halfphysics.base import rotations as rot
@@ -15,7 +17,7 @@ from halfphysics.base.axes import AXES, axes_of, turned
 from halfphysics.cli import main
 from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning, InputError
 from halfphysics.formats import FORMATS, Source, identify, losses
-from halfphysics.formats.bvh.text import read_bvh
+from halfphysics.formats.bvh.text import Bvh, read_bvh, write_bvh
 from halfphysics.motion import skeleton
 from support.files.bvh_files import MIXAMO, read_places, retold, smplx
 from support.files.layouts import movement
@@ -103,6 +105,55 @@ def test_the_skeleton_at_rest_is_the_body_at_rest(tmp_path):
     assert np.array_equal(bvh.offsets[0], np.zeros(3))  # readers disagree on a root's offset
     leaves = set(range(56)) - {p for p in bvh.parents if p >= 0}
     assert set(bvh.ends) == leaves
+
+
+#: Rest poses in other axes than SMPL-X's: z up, to the side, upside down, and no axes at all.
+TURNS = ([np.pi / 2, 0, 0], [0, np.pi / 2, 0], [0, 0, np.pi], [0.9, -1.1, 0.5])
+
+
+@pytest.mark.parametrize("turn", TURNS)
+@pytest.mark.parametrize("stature", [None, 1.2])
+def test_a_rest_pose_in_other_axes(tmp_path, turn, stature):
+    """Offsets and joint frames are turned against SMPL-X's, the movement is the same."""
+    body, motion = hp.Body.default(stature=stature), motion_of(16)
+    names = dict(enumerate(skeleton.JOINT_NAMES))
+    own = np.tile(rot.conjugate(rot.exp(np.array(turn, dtype=float))), (55, 1))
+    for name, frames in (("as_it_is", None), ("turned", own)):
+        text = retold(motion, body, names=names, own=frames)
+        (tmp_path / f"{name}.bvh").write_text(text)
+    with pytest.warns(HalfPhysicsWarning, match=r"turned by \d+ degrees: turned back; y up"):
+        found = hp.Motion.load(tmp_path / "turned.bvh")
+    expected = read(tmp_path / "as_it_is.bvh")
+    assert np.abs(body.vertices(found) - body.vertices(expected)).max() < SAME
+
+
+@pytest.mark.parametrize("options", [{}, {"up": "z"}])
+def test_a_file_of_ours_that_blender_has_written_again(tmp_path, options):
+    """Blender's export has z up: all of the file is turned, the pelvis below the root too."""
+    body, motion = hp.Body.default(stature=1.2), motion_of(16)
+    motion.save(tmp_path / "a.bvh", body=body)
+    write_bvh(tmp_path / "b.bvh", z_up(read_bvh(tmp_path / "a.bvh")))
+    found = read(tmp_path / "b.bvh", **options)
+    assert np.abs(body.vertices(found) - body.vertices(motion)).max() < SAME
+
+
+def z_up(bvh: Bvh) -> Bvh:
+    """A file with y up in axes with z up."""
+    values, column = bvh.values.copy(), 0
+    turn = Rotation.from_matrix(AXES["y"])
+    for channels in bvh.channels:
+        for kind in ("position", "rotation"):
+            names = [name for name in channels if name.endswith(kind)]
+            columns = [column + channels.index(name) for name in names]
+            order = "".join(name[0] for name in names)
+            if kind == "position" and names:
+                values[:, columns] = turn.apply(values[:, columns])
+            elif names:
+                own = turn * Rotation.from_euler(order, values[:, columns], True) * turn.inv()
+                values[:, columns] = own.as_euler(order, degrees=True)
+        column += len(channels)
+    ends = {joint: turn.apply(end) for joint, end in bvh.ends.items()}
+    return dataclasses.replace(bvh, offsets=turn.apply(bvh.offsets), ends=ends, values=values)
 
 
 def test_angles_are_continuous(tmp_path):

@@ -113,6 +113,23 @@ def test_rigs(tmp_path, rig):
     assert off(read(path), motion) < NEAR
 
 
+@pytest.mark.parametrize(
+    "turn", [[np.pi / 2, 0, 0], [0, np.pi / 2, 0], [0, 0, np.pi], [0.9, -1.1, 0.5]]
+)
+@pytest.mark.parametrize("stature", [None, 1.5])
+def test_joints_of_smplx_whose_bind_pose_is_turned(tmp_path, turn, stature):
+    """Programs put the world's axes, or any, into the space of the mesh: the motion is the same."""
+    body, motion = hp.Body.default(stature=stature), motion_of()
+    names = dict(enumerate(JOINT_NAMES))
+    turned = rot.rotvec_to_matrix(np.array(turn, dtype=float))
+    path = person(motion, body, names=names, turned=turned).glb(tmp_path / "a.glb")
+    with pytest.warns(HalfPhysicsWarning, match=r"turned by \d+ degrees: turned back; y up"):
+        found = hp.Motion.load(path)
+    assert np.abs(body.vertices(found) - body.vertices(motion)).max() < SINGLE
+    own = quiet(path).bodies[0] or BODY
+    assert np.abs(own.rest_joints - body.rest_joints).max() < SINGLE
+
+
 def test_what_is_done_is_told_once_and_up_can_be_said(tmp_path):
     names = {j: n for j, n in MIXAMO.items() if "Hand" not in n} | {JOINT_INDEX["jaw"]: "Hat"}
     path = person(motion_of(), BODY, names=names, unit=50.0).glb(tmp_path / "a.glb")

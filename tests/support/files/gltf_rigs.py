@@ -133,6 +133,7 @@ def add_person(
     kind: str = "LINEAR",
     skinned: bool = True,
     start: float = 0.0,
+    turned: np.ndarray | None = None,
 ) -> list[int]:
     """A person's nodes, skin and animation; returns the joints' nodes.
 
@@ -148,6 +149,7 @@ def add_person(
         kind: Of interpolation.
         skinned: With a skin; else nodes are at the bind pose without animation.
         start: Time of the first key [s].
+        turned: Rotation (3, 3) of the space of the bind pose, which the nodes do not show.
     """
     own = np.tile([1.0, 0.0, 0.0, 0.0], (55, 1)) if own is None else own
     random = np.random.default_rng(seed).normal(0, 1, (55, 4))
@@ -194,6 +196,8 @@ def add_person(
         inverse[:, :3, :3] = np.swapaxes(rot.to_matrix(rot.multiply(back, frames[kept])), 1, 2)
         at = unit * rot.rotate(back, np.array([rest[joint] for joint in kept]))
         inverse[:, :3, 3] = -np.einsum("jab,jb->ja", inverse[:, :3, :3], at)
+        if turned is not None:
+            inverse[:, :3, :3] = inverse[:, :3, :3] @ turned.T
         columns = np.swapaxes(inverse, 1, 2).reshape(-1, 16)
         builder.json["skins"].append(
             {

@@ -60,12 +60,12 @@ def _load(source: Source, options: Options) -> Motion:
 
 
 def _ours(where: str, bvh: Bvh, options: Options) -> Motion:
-    """The motion of a skeleton with the joints and the rest pose of SMPL-X."""
+    """The motion of a skeleton with the joints and the rest pose of SMPL-X, in any axes."""
     pelvis = bvh.names.index(skeleton.JOINT_NAMES[0])
     # Below a root, the pelvis's offset is its rest position, J0.
     at_rest = bvh.offsets[pelvis] if bvh.parents[pelvis] >= 0 else None
     joints = animated(bvh, options.frames)
-    return smplx_motion(where, options, joints, bvh.fps, NAME, pelvis=at_rest)[0]
+    return smplx_motion(where, options, joints, bvh.fps, NAME, pelvis=at_rest).motion
 
 
 def _save(motion: Motion, path: Path, body: Body | None) -> None:

@@ -190,12 +190,15 @@ def _read(
         return motion, None, found.scale
     rest = _rest(joints)
     pelvis = joints.names.index(skeleton.JOINT_NAMES[0])
-    motion, unit = smplx_motion(where, options, joints, times.fps, NAME, pelvis=rest[pelvis])
+    own = smplx_motion(where, options, joints, times.fps, NAME, pelvis=rest[pelvis])
+    unit, turn = own.unit, own.turn
     if unit is not None and unit != 1.0:
         warn(f"{where}: not in metres, by the legs: read with {unit:g} m per unit")
     scale = unit or 1.0  # whose legs are nobody's has no body, which says it
     rest = scale * rest[[joints.names.index(name) for name in skeleton.JOINT_NAMES]]
-    return motion, _body(where, rest), scale
+    if turn is not None:
+        rest = rot.rotate(rot.conjugate(turn), rest)
+    return own.motion, _body(where, rest), scale
 
 
 def _rest(joints: AnimatedSkeleton) -> Array:

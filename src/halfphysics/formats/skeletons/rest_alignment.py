@@ -15,12 +15,14 @@ of the source bone.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
 from halfphysics.formats.limb_bones import BONES, HINGES
-from halfphysics.formats.skeletons.source_skeleton import SAME_PLACE, SourceSkeleton
+from halfphysics.formats.skeletons.source_skeleton import NEEDED, SAME_PLACE, SourceSkeleton
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES, PARENTS
 
 Array = NDArray[np.float64]
@@ -51,6 +53,8 @@ _HINGES = {(hinge.upper, hinge.joint): hinge.axis for hinge in HINGES}
 _STANDING = np.cos(np.radians(55.0))
 # Cosine of the angle to the axes below which a trunk frame is snapped to them.
 _ALONG = np.cos(np.radians(35.0))
+# The same for SMPL-X's own rest pose, whose trunk leans by its shape alone: a few degrees.
+_ALONG_OWN = np.cos(np.radians(15.0))
 # The same for a head, which may be turned throughout the clip.
 _ALONG_HEAD = np.cos(np.radians(42.0))
 # Mean sine of flexion below which a hinge's axis cannot be estimated.
@@ -70,7 +74,7 @@ class RestAlignment:
         self._source = source
         self._rest = rest
         self._quaternions = quaternions
-        upright = self._upright()
+        upright = _upright(source)
         #: Whether the zero pose of the file is a standing person.
         self.is_pose = upright is not None
         self._turns: dict[int, Array] = {}
@@ -127,50 +131,6 @@ class RestAlignment:
         return None
 
     # -- a zero pose that is a posture -------------------------------------------------------
-
-    def _upright(self) -> Array | None:
-        """File from SMPL-X axes (4,) if the zero pose is a standing person, else None."""
-        source, rest = self._source, self._source.rest
-        at = {
-            name: rest[source.joints[JOINT_INDEX[name]]]
-            for name in (
-                "left_hip",
-                "right_hip",
-                "left_knee",
-                "right_knee",
-                "left_ankle",
-                "right_ankle",
-                "left_shoulder",
-                "right_shoulder",
-                "left_elbow",
-                "right_elbow",
-            )
-        }
-        hips = (at["left_hip"] + at["right_hip"]) / 2
-        shoulders = (at["left_shoulder"] + at["right_shoulder"]) / 2
-        frame = _frame(at["left_hip"] - at["right_hip"], shoulders - hips)
-        if frame is None:
-            return None
-        left, up = frame[:, 0], frame[:, 1]
-        expected = [
-            *(
-                (at[f"{s}_{a}"] - at[f"{s}_{b}"], up)
-                for s in _SIDES
-                for a, b in (("hip", "knee"), ("knee", "ankle"))
-            ),
-            (shoulders - hips, up),
-            (at["left_shoulder"] - at["right_shoulder"], left),
-        ]
-        for way, axis in expected:
-            direction = _unit(way)
-            if direction is None or direction @ axis < _STANDING:
-                return None
-        # Arms may point to the side, down or forward, not across the body or up.
-        for side, sign in zip(_SIDES, (1.0, -1.0), strict=True):
-            arm = _unit(at[f"{side}_elbow"] - at[f"{side}_shoulder"])
-            if arm is None or sign * (arm @ left) < -0.3 or arm @ up > 0.7:
-                return None
-        return rot.from_matrix(_snapped(frame))
 
     def _from_pose(self, upright: Array) -> None:
         source, turns = self._source, self._turns
@@ -315,6 +275,64 @@ class RestAlignment:
         """The rotation with which a joint equals its parent on average."""
         base = rot.multiply(self._quaternions[:, above], self._turns[0])
         return _average(rot.multiply(rot.conjugate(self._quaternions[:, own]), base))
+
+
+def rest_turn(source: SourceSkeleton, rest: Array) -> Array | None:
+    """How the rest pose of SMPL-X's own joints is turned: file from SMPL-X axes (4,).
+
+    Args:
+        source: The source skeleton, whose zero pose is SMPL-X's but for its axes and its shape.
+        rest: SMPL-X joints at rest (55, 3) [m].
+
+    Returns:
+        None if it lies in SMPL-X's own axes, or if it is no standing person.
+    """
+    theirs = _standing({joint: source.rest[source.joints[joint]] for joint in NEEDED})
+    ours = _standing({joint: rest[joint] for joint in NEEDED})
+    if theirs is None or ours is None:
+        return None
+    turn = _snapped(theirs @ ours.T, _ALONG_OWN)
+    return None if np.array_equal(turn, np.eye(3)) else rot.from_matrix(turn)
+
+
+def _upright(source: SourceSkeleton) -> Array | None:
+    """File from SMPL-X axes (4,) if the zero pose is a standing person, else None."""
+    frame = _standing({joint: source.rest[source.joints[joint]] for joint in NEEDED})
+    return None if frame is None else rot.from_matrix(_snapped(frame))
+
+
+def _standing(rest: Mapping[int, Array]) -> Array | None:
+    """Axes to the left, up and forward (columns) of who stands; None: it is no such posture.
+
+    Args:
+        rest: SMPL-X joint -> its place (3,), of those that are `NEEDED`.
+    """
+    at = {JOINT_NAMES[joint]: rest[joint] for joint in NEEDED}
+    hips = (at["left_hip"] + at["right_hip"]) / 2
+    shoulders = (at["left_shoulder"] + at["right_shoulder"]) / 2
+    frame = _frame(at["left_hip"] - at["right_hip"], shoulders - hips)
+    if frame is None:
+        return None
+    left, up = frame[:, 0], frame[:, 1]
+    expected = [
+        *(
+            (at[f"{s}_{a}"] - at[f"{s}_{b}"], up)
+            for s in _SIDES
+            for a, b in (("hip", "knee"), ("knee", "ankle"))
+        ),
+        (shoulders - hips, up),
+        (at["left_shoulder"] - at["right_shoulder"], left),
+    ]
+    for way, axis in expected:
+        direction = _unit(way)
+        if direction is None or direction @ axis < _STANDING:
+            return None
+    # Arms may point to the side, down or forward, not across the body or up.
+    for side, sign in zip(_SIDES, (1.0, -1.0), strict=True):
+        arm = _unit(at[f"{side}_elbow"] - at[f"{side}_shoulder"])
+        if arm is None or sign * (arm @ left) < -0.3 or arm @ up > 0.7:
+            return None
+    return frame
 
 
 def _unit(way: Array, least: float = 1e-9) -> Array | None:

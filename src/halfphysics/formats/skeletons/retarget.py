@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,7 +39,7 @@ class Retargeted:
 
     pelvis: Array
     rotations: Array
-    up: str
+    up: Literal["y", "z"]
     scale: float
     matched: tuple[int, ...]
     unmatched: tuple[str, ...]
@@ -77,7 +78,7 @@ def retarget(where: str, skeleton: AnimatedSkeleton, rest: Array) -> Retargeted:
     return Retargeted(
         pelvis=middle - rot.rotate(world[:, 0], below),
         rotations=rot.log(local),
-        up=_up(world),
+        up=up_axis(world[:, 0]),
         scale=scale,
         matched=tuple(sorted(matched)),
         unmatched=tuple(
@@ -125,9 +126,10 @@ def _leg(rest: Array) -> float:
     return float(sum(lengths)) / 2.0
 
 
-def _up(world: Array) -> str:
-    """The axis along which the trunk points on average; y if it lies or both fit."""
-    trunk = rot.rotate(world[:, 0], np.array([0.0, 1.0, 0.0])).mean(axis=0)
+def up_axis(pelvis: Array) -> Literal["y", "z"]:
+    """The axis along which the trunk of a pelvis (T, 4) points on average; y if it lies or both
+    fit."""
+    trunk = rot.rotate(pelvis, np.array([0.0, 1.0, 0.0])).mean(axis=0)
     return "z" if trunk[2] > 0.7 and abs(trunk[1]) < 0.5 else "y"
 
 

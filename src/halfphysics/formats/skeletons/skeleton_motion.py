@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,8 @@ from halfphysics.errors import FileError
 from halfphysics.formats.format import Options
 from halfphysics.formats.motion_builder import motion_of
 from halfphysics.formats.skeletons.animated_skeleton import AnimatedSkeleton
-from halfphysics.formats.skeletons.retarget import Retargeted, names_of, retarget
+from halfphysics.formats.skeletons.rest_alignment import rest_turn
+from halfphysics.formats.skeletons.retarget import Retargeted, names_of, retarget, up_axis
 from halfphysics.formats.skeletons.source_skeleton import SourceSkeleton
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
@@ -61,7 +62,7 @@ def retargeted(
         translation=found.pelvis - pelvis,
         rotations=found.rotations,
         fps=fps,
-        up="z" if up == "z" else "y",
+        up=found.up,
         model="smplx",
         gender="neutral",
         hands="flat" if _has_fingers(found) else None,
@@ -120,6 +121,21 @@ def _has_fingers(found: Retargeted) -> bool:
     return bool(hands & set(found.matched))
 
 
+class SmplxMotion(NamedTuple):
+    """The motion of a skeleton with SMPL-X's joints and rest pose.
+
+    Attributes:
+        motion: As the file has it.
+        unit: Metres per unit of the file; None: these are legs of nobody, taken as centimetres
+            where they are long, else as metres.
+        turn: File's axes at rest from SMPL-X's (4,); None: they are the same.
+    """
+
+    motion: Motion
+    unit: float | None
+    turn: Array | None
+
+
 def smplx_motion(
     where: str,
     options: Options,
@@ -128,8 +144,11 @@ def smplx_motion(
     format: str,
     *,
     pelvis: Array | None,
-) -> tuple[Motion, float | None]:
-    """The motion of a skeleton with the joints and the rest pose of SMPL-X, y up.
+) -> SmplxMotion:
+    """The motion of a skeleton with the joints and the rest pose of SMPL-X, in any axes.
+
+    In SMPL-X's own axes it is y up; where a program has turned the rest pose (Blender writes BVH
+    with z up), what is up is found as for other skeletons.
 
     Args:
         where: Name of the file in messages.
@@ -137,16 +156,56 @@ def smplx_motion(
         animated: With the 55 names of SMPL-X.
         fps: Frames per second.
         format: Name of the format.
-        pelvis: The pelvis at rest (3,) [unit of the file]; None: that of the default body.
+        pelvis: The pelvis at rest (3,) [unit and axes of the file]; None: that of the default body.
 
-    Returns:
-        The motion, and metres per unit of the file; None: these are legs of nobody, taken as
-        centimetres where they are long, else as metres.
+    Warns:
+        HalfPhysicsWarning: The rest pose is turned, and what is taken as up.
 
     Raises:
         FileError: A joint hangs on another than in SMPL-X.
     """
+    from halfphysics.body.body import Body
+
     source = SourceSkeleton.of(where, animated)
+    index = _smplx_joints(where, animated)
+    usual = _CENTIMETRE if source.leg > _METRES else 1.0
+    scale = metres_per_unit(source.leg) or usual
+    own = np.asarray(Body.default().rest_joints)
+    world = animated.quaternions[:, index]
+    up: Literal["y", "z"] = "y"
+    turn = rest_turn(source, own)
+    if turn is not None:
+        world = rot.multiply(world, turn)
+        up = up_axis(world[:, 0])
+        degrees = np.degrees(np.linalg.norm(rot.log(turn)))
+        warn(
+            f"{where}: its rest pose is SMPL-X's, turned by {degrees:.0f} degrees: turned back; "
+            f"{options.up or up} up"
+        )
+        pelvis = None if pelvis is None else rot.rotate(rot.conjugate(turn), pelvis)
+    local = world.copy()
+    local[:, 1:] = rot.multiply(rot.conjugate(world[:, skeleton.PARENTS[1:]]), world[:, 1:])
+    at_rest = own[0] if pelvis is None else scale * pelvis
+    motion = motion_of(
+        where,
+        options,
+        format=format,
+        translation=scale * animated.positions[:, index[0]] - at_rest,
+        rotations=rot.log(local),
+        fps=fps,
+        up=up,
+        model="smplx",
+        gender="neutral",
+    )
+    return SmplxMotion(motion, metres_per_unit(source.leg), turn)
+
+
+def _smplx_joints(where: str, animated: AnimatedSkeleton) -> list[int]:
+    """The joints of the file (55,) in SMPL-X's order.
+
+    Raises:
+        FileError: A joint hangs on another than in SMPL-X.
+    """
     index = [animated.names.index(name) for name in skeleton.JOINT_NAMES]
     for joint, parent in enumerate(skeleton.PARENTS):
         if parent >= 0 and animated.parents[index[joint]] != index[parent]:
@@ -155,29 +214,7 @@ def smplx_motion(
                 f"{animated.names[animated.parents[index[joint]]]!r}, expected "
                 f"{skeleton.JOINT_NAMES[parent]!r}, as in SMPL-X"
             )
-    usual = _CENTIMETRE if source.leg > _METRES else 1.0
-    scale = metres_per_unit(source.leg) or usual
-    local = animated.quaternions[:, index]
-    parents = skeleton.PARENTS[1:]
-    local[:, 1:] = rot.multiply(rot.conjugate(local[:, parents]), local[:, 1:])
-    if pelvis is None:
-        from halfphysics.body.body import Body
-
-        at_rest = Body.default().rest_joints[0]
-    else:
-        at_rest = scale * pelvis
-    motion = motion_of(
-        where,
-        options,
-        format=format,
-        translation=scale * animated.positions[:, index[0]] - at_rest,
-        rotations=rot.log(local),
-        fps=fps,
-        up="y",
-        model="smplx",
-        gender="neutral",
-    )
-    return motion, metres_per_unit(source.leg)
+    return index
 
 
 def metres_per_unit(leg: float) -> float | None:

@@ -287,6 +287,51 @@ def test_two_people_and_things_of_another_program(tmp_path):
     assert max(away.min(axis=0).max(), away.min(axis=1).max()) < NEAR
 
 
+@pytest.mark.parametrize("moves", [(True, False), (False, True), (False, False)])
+def test_people_who_do_not_move_are_people(tmp_path, moves):
+    """What does not move has no keys in files of `hp.export`: such people became 55 statics."""
+    people = [motion_of(seed=seed) for seed in (5, 6)]
+    still = np.zeros(16, dtype=int)
+    people = [
+        m if moving else m.with_frames(m.translation[still], m.rotations[still])
+        for m, moving in zip(people, moves, strict=True)
+    ]
+    hp.export(hp.Sequence(tuple(people), hp.Scene()), tmp_path / "a.glb")
+    sequence = quiet(tmp_path / "a.glb")
+    for motion, asked in zip(sequence.motions, people, strict=True):
+        assert off(motion, asked) < SINGLE
+    assert not sequence.scene.statics
+    first = next((k for k, moving in enumerate(moves) if moving), 0)
+    assert off(read(tmp_path / "a.glb"), people[first]) < SINGLE
+
+
+def test_people_of_other_clips_are_not_in_this_one(tmp_path):
+    motions, builder = [motion_of(seed=5), motion_of(seed=6)], Builder()
+    for index, motion in enumerate(motions):
+        take = builder.animation(f"take {index}")
+        add_person(builder, take, motion, BODY, prefix=f"p{index}:")
+    path = builder.glb(tmp_path / "a.glb")
+    for index, motion in enumerate(motions):
+        (found,) = quiet(path, clip=f"take {index}").motions
+        assert off(found, motion) < NEAR
+        assert off(read(path, clip=f"take {index}"), motion) < NEAR
+
+
+@pytest.mark.parametrize("frames", [None, (4, 14)])
+def test_people_whose_keys_begin_and_end_at_different_times(tmp_path, frames):
+    """Everyone is read at the same times, and holds still before and after their own keys."""
+    early, late, builder = motion_of(16, seed=5), motion_of(12, seed=6), Builder()
+    animation = builder.animation("take")
+    for index, (motion, start) in enumerate(((early, 0), (late, 8))):
+        options = {"start": start / 30.0, "prefix": f"p{index}:"}
+        add_person(builder, animation, motion, BODY, **options)
+    sequence = quiet(builder.glb(tmp_path / "a.glb"), frames=frames)
+    for found, motion, start in zip(sequence.motions, (early, late), (0, 8), strict=True):
+        rows = np.clip(np.arange(20) - start, 0, len(motion) - 1)[slice(*(frames or (None,)))]
+        asked = motion.with_frames(motion.translation[rows], motion.rotations[rows])
+        assert off(found, asked) < NEAR
+
+
 def test_a_cabinet_with_a_skin_is_cut_at_its_door(tmp_path):
     """One mesh on two joints, in frames of their own: the door turns, the box stands."""
     builder = Builder()

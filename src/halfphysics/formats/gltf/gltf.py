@@ -62,11 +62,27 @@ class _File:
     skinned: list[Rig]
 
     def people(self, animation: Animation) -> list[Rig]:
-        """The people: skeletons with legs and arms; if there are none, all skeletons."""
+        """The people: skeletons with legs and arms; if there are none, all skeletons that move.
+
+        Exporters leave out the keys of what does not move: a skin without any is a person who keeps
+        still, unless other clips of the file move them.
+        """
+        others = [other for other in self.clips.values() if other is not animation]
+        people = [
+            rig
+            for rig in self.skinned
+            if self._is_person(rig)
+            and (self.moves(rig, animation) or not any(self.moves(rig, o) for o in others))
+        ]
+        if people:
+            return people
         found = self.skinned or bare_rig(self.nodes, animation)
-        moving = {node for node, _ in animation.keys}
-        found = [rig for rig in found if moving & self._nodes(rig)]
+        found = [rig for rig in found if self.moves(rig, animation)]
         return [rig for rig in found if self._is_person(rig)] or found
+
+    def moves(self, rig: Rig, animation: Animation) -> bool:
+        """Whether a clip has keys of a skeleton."""
+        return bool({node for node, _ in animation.keys} & self._nodes(rig))
 
     def _nodes(self, rig: Rig) -> set[int]:
         """The nodes of a skeleton and those above it."""
@@ -78,10 +94,16 @@ class _File:
         parents = [index.get(self.nodes.parents[node], -1) for node in rig.nodes]
         return set(NEEDED) <= match_joints(names, parents).keys()
 
-    def times(self, where: str, rig: Rig, animation: Animation, options: Options) -> _Times:
-        nodes = self._nodes(rig)
-        start, stop = animation.span(nodes)
-        rate = animation.rate(nodes)
+    def times(
+        self, where: str, people: list[Rig], animation: Animation, options: Options
+    ) -> _Times:
+        """The frames to read: from the first to the last key of these people, who hold still
+        before and after their own; where none of them has keys, of the clip."""
+        nodes = {node for rig in people for node in self._nodes(rig)}
+        keyed = {node for node, _ in animation.keys}
+        moving = nodes & keyed or keyed
+        start, stop = animation.span(moving)
+        rate = animation.rate(moving)
         if rate is None:
             rate = options.fps or SAMPLED
             warn(f"{where}: its keys are at no even rate: read at {rate:g} fps (fps=)")
@@ -169,21 +191,21 @@ def _people(source: Source, options: Options) -> tuple[_File, Animation, list[Ri
 
 def _load(source: Source, options: Options) -> Motion:
     file, animation, people = _people(source, options)
+    moving = [rig for rig in people if file.moves(rig, animation)]
+    read, where = (moving or people)[0], _where(source, options)
     if len(people) > 1:
         names = ", ".join(repr(rig.name) for rig in people)
-        warn(
-            f"{_where(source, options)}: of {len(people)} people ({names}) the first is read; "
-            "load_sequence reads all"
-        )
-    return _read(source, options, file, animation, people[0])[0]
+        which = "the first" if read is people[0] else "the first who moves"
+        warn(f"{where}: of {len(people)} people ({names}) {which} is read; load_sequence reads all")
+    times = file.times(where, [read], animation, options)
+    return _read(source, options, file, animation, read, times)[0]
 
 
 def _read(
-    source: Source, options: Options, file: _File, animation: Animation, rig: Rig
+    source: Source, options: Options, file: _File, animation: Animation, rig: Rig, times: _Times
 ) -> tuple[Motion, Body | None, float]:
     """A person's motion, their body if it is SMPL-X's, and metres per unit of the file."""
     where = _where(source, options)
-    times = file.times(where, rig, animation, options)
     joints = animated(file.nodes, rig, animation, times.seconds)
     if not names_of_smplx(joints.names):
         motion, found = retargeted(where, options, joints, times.fps, NAME)
@@ -223,15 +245,14 @@ def _body(where: str, rest: Array) -> Body | None:
 
 def _load_sequence(source: Source, options: Options) -> Sequence:
     file, animation, people = _people(source, options)
-    read = [_read(source, options, file, animation, rig) for rig in people]
-    motions, scale, where = [motion for motion, _, _ in read], read[0][2], _where(source, options)
-    lengths = {len(motion) for motion in motions}
-    if len(lengths) > 1:
-        warn(f"{where}: people are there for {sorted(lengths)} frames: the first {min(lengths)}")
-    motions = [motion[: min(lengths)] for motion in motions]
+    where = _where(source, options)
+    times = file.times(where, people, animation, options)
+    read = [_read(source, options, file, animation, rig, times) for rig in people]
+    motions, scale = [motion for motion, _, _ in read], read[0][2]
     bodies = tuple(Body.default() if body is None else body for _, body, _ in read)
-    times = file.times(where, people[0], animation, options).seconds[: min(lengths)]
-    scene, tracks = _scene(file, animation, people, times, motions[0], scale, where, options)
+    scene, tracks = _scene(
+        file, animation, people, times.seconds, motions[0], scale, where, options
+    )
     if len(motions) == 1:
         return Sequence(motions[0], scene, read[0][1], recorded=tracks)
     return Sequence(tuple(motions), scene, bodies, recorded=tracks)

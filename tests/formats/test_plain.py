@@ -234,6 +234,21 @@ def test_hands_of_principal_components(tmp_path, count):
         assert np.abs(found - asked).max() < ROUNDING
 
 
+@pytest.mark.parametrize("hands", [None, "flat", "mean"])
+@pytest.mark.parametrize("count", [12, 45])
+def test_fingers_come_back_with_the_same_options(tmp_path, hands, count):
+    """Principal components are written as rotations, which are read as on a flat hand."""
+    content, rng = fields(), np.random.default_rng(count)
+    for side in ("left", "right"):
+        content[f"{side}_hand_pose"] = rng.normal(0, 0.1, (FRAMES, count))
+    options = {"model": write_npz(tmp_path / "SMPLX_NEUTRAL.npz", model_fields("smplx"))}
+    options["hands"] = hands
+    first = quiet(written(tmp_path / "a.npz", content), **options).motion
+    first.save(tmp_path / "b.pkl")
+    second = quiet(tmp_path / "b.pkl", **options).motion
+    assert np.abs(second.rotations - first.rotations).max() < ROUNDING
+
+
 def test_a_clip_of_trumans_keeps_its_rules(tmp_path):
     content = fields()
     content["betas"] = np.zeros(0)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from collections.abc import Sequence as Listing
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal, cast
 
@@ -119,7 +120,7 @@ def _load(source: Source, options: Options) -> Motion:
     record = Record(_where(source, name), people[name])
     parts = parts_of(record, options)
     up, told = _up(record, parts.rotations, options)
-    return estimated(
+    motion = estimated(
         record.where,
         options,
         format=NAME,
@@ -134,6 +135,16 @@ def _load(source: Source, options: Options) -> Motion:
         invented={**told, **FLOOR},
         fields={} if name == _ALONE else {"track": name},
     )
+    return _on_flat_hand(motion) if parts.hands == "mean" and options.hands is None else motion
+
+
+def _on_flat_hand(motion: Motion) -> Motion:
+    """The motion, whose fingers are written as on a flat hand: principal components are about the
+    relaxed one, rotations, as which they are written, are not."""
+    own = motion.origin
+    if own is None:
+        return motion
+    return replace(motion, origin=replace(own, fields={**own.fields, "hands_mean": None}))
 
 
 def _up(

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
+from halfphysics.base.axes import axes_of
 from halfphysics.errors import InputError
 from halfphysics.formats import losses
 from support.files.layouts import movement
@@ -17,6 +18,8 @@ pytestmark = pytest.mark.filterwarnings("ignore::halfphysics.errors.HalfPhysicsW
 
 #: Positions in single precision [m].
 SINGLE = 1e-6
+#: Positions of anything, as joints that bend as a person's meet them [m].
+NEAR = 0.02
 
 
 @pytest.fixture
@@ -45,6 +48,21 @@ def test_a_run_of_mdm(motion, tmp_path):
     assert np.abs(np.moveaxis(run["motion"][0], -1, 0) - truth(motion)).max() < SINGLE
     assert run["lengths"].tolist() == [9]
     assert (run["num_samples"], run["num_repetitions"], run["text"]) == (1, 1, [""])
+
+
+@pytest.mark.parametrize("format", ["joints", "mdm"])
+@pytest.mark.parametrize("up", ["y", "z"])
+def test_a_file_is_written_back_in_its_own_axes(motion, tmp_path, format, up):
+    body, joints = hp.Body.default(), truth(motion)
+    places = joints @ axes_of("y").T if up == "z" else joints
+    content = {"motion": np.moveaxis(places, 0, -1)[None], "lengths": np.array([9])}
+    np.save(tmp_path / "a.npy", content if format == "mdm" else places, allow_pickle=True)
+    first = hp.Motion.load(tmp_path / "a.npy", up=up)
+    assert first.origin.format == format
+    first.save(tmp_path / "b.npy", body=body)
+    found = np.load(tmp_path / "b.npy", allow_pickle=True)
+    found = np.moveaxis(found[()]["motion"][0], -1, 0) if format == "mdm" else found
+    assert np.abs(found - places).max() < NEAR
 
 
 def test_the_text_of_a_run_comes_back(motion, tmp_path):

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 
 def places_of(motion: Motion, body: Body | None, format: str) -> Array:
-    """Positions (T, 22, 3) of SMPL's first joints, y up [m].
+    """Positions (T, 22, 3) of SMPL's first joints [m], y up; of a file of this format, in its axes.
 
     Raises:
         InputError: No body.
@@ -30,7 +30,9 @@ def places_of(motion: Motion, body: Body | None, format: str) -> Array:
         raise InputError(
             f"format: '{format}' holds the joints of the person. Say whose motion it is with body="
         )
-    return np.asarray(body.joints(motion)[:, list(BODY)] @ axes_of("y"))
+    own = motion.origin is not None and motion.origin.format == format
+    axes = motion.axes if own else axes_of("y")
+    return np.asarray(body.joints(motion)[:, list(BODY)] @ axes)
 
 
 def write_array(path: Path, content: Any) -> None:

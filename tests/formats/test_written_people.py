@@ -271,5 +271,23 @@ def test_a_slice_knows_where_in_its_video_it_begins():
     motion = hp.Motion(*movement(20), 30.0, origin=origin)
     frames = people_written([motion[5:15]], "wham")["0"].frames
     np.testing.assert_array_equal(frames, np.arange(105, 115))
-    assert motion[::2].origin.fields["first"] == 100
     assert motion.origin.fields["first"] == 100
+
+
+@pytest.mark.parametrize(
+    ("change", "first", "length"),
+    [
+        (lambda motion: motion[4::2], 52, 8),
+        (lambda motion: motion[::-1], 100, 20),
+        (lambda motion: motion[15:5:-2], 54, 5),
+        (lambda motion: motion.resample(60.0), 200, 39),
+        (lambda motion: motion.resample(60.0).resample(30.0), 100, 20),
+        (lambda motion: motion.resample(24.0), 80, 16),
+    ],
+)
+def test_numbers_of_frames_are_those_of_a_video_at_the_new_rate(change, first, length):
+    """People who were seen at different times stay so: their numbers are divided alike."""
+    origin = FileMetadata(format="wham", fields={"first": 100})
+    motion = change(hp.Motion(*movement(20), 30.0, origin=origin))
+    frames = people_written([motion], "wham")["0"].frames
+    np.testing.assert_array_equal(frames, np.arange(first, first + length))

@@ -32,15 +32,14 @@ class FileMetadata(ReadOnly):
 
     def taken(self, rows: slice, frames: int) -> FileMetadata:
         """The same with the per-frame arrays indexed by `rows`, of so many frames; "first", the
-        number of the first one in its video, goes along."""
+        number of the first one in its video, goes along. Backwards it is that of the earliest."""
         per_frame = {key: value[rows] for key, value in self.per_frame.items()}
-        fields = dict(self.fields)
-        if isinstance(fields.get("first"), int):
-            fields["first"] += rows.indices(frames)[0]
+        kept = range(frames)[rows]
+        fields = self._numbered(min(kept, default=0), abs(kept.step))
         return FileMetadata(format=self.format, fields=fields, per_frame=per_frame)
 
     def sampled(self, position: Array) -> FileMetadata:
-        """The same with the per-frame arrays at fractional frames `position` (T,)."""
+        """The same with the per-frame arrays at even fractional frames `position` (T,), T >= 2."""
         low, high, weight = neighbours(position)
         per_frame = {}
         for key, value in self.per_frame.items():
@@ -50,4 +49,13 @@ class FileMetadata(ReadOnly):
                 per_frame[key] = mixed.astype(value.dtype)
             else:
                 per_frame[key] = value[np.where(weight < 0.5, low, high)]
-        return FileMetadata(format=self.format, fields=self.fields, per_frame=per_frame)
+        fields = self._numbered(0, float(position[1] - position[0]))
+        return FileMetadata(format=self.format, fields=fields, per_frame=per_frame)
+
+    def _numbered(self, start: int, step: float) -> Mapping[str, Any]:
+        """The fields of a clip from frame `start` on whose frames are `step` of these apart: the
+        number of the first one is counted in a video of such frames."""
+        first = self.fields.get("first")
+        if not isinstance(first, int):
+            return self.fields
+        return {**self.fields, "first": round((first + start) / step)}

@@ -25,6 +25,7 @@ from support.files.wrong_files import (
     hostile_is_refused,
     put,
     refused,
+    uneven,
     usual,
     without,
 )
@@ -282,6 +283,21 @@ def test_wrong_files(tmp_path, spoil, message, suffix):
     content = {**fields(), "pred_cam": np.ones((FRAMES, 3))}
     spoil(content)
     refused(written(tmp_path / f"bad{suffix}", content), message)
+
+
+UNEVEN = [
+    *map(uneven, ("transl", "global_orient", "left_hand_pose", "betas")),
+    ("rate uneven", put("fps", [[30], [30, 1]]), "'fps'.*expected"),
+    ("gender uneven", put("gender", [["a"], []]), "'gender'.*expected"),
+]
+
+
+@pytest.mark.parametrize(("spoil", "message"), [c[1:] for c in UNEVEN], ids=[c[0] for c in UNEVEN])
+def test_lists_of_different_lengths(tmp_path, spoil, message):
+    content = {key: value.tolist() for key, value in fields().items()}
+    spoil(content)
+    (tmp_path / "bad.json").write_text(json.dumps(content))
+    refused(tmp_path / "bad.json", message)
 
 
 def test_hostile_and_broken_files(tmp_path):

@@ -16,6 +16,25 @@ from halfphysics.errors import FileError
 Array = NDArray[np.float64]
 
 _ALL = slice(None)
+#: Rows whose shapes are looked at for a message.
+_ROWS = 10_000
+
+
+def shape_of(value: Any) -> tuple[int, ...] | None:
+    """The shape of an array, or of lists; None: these have rows of different lengths."""
+    try:
+        return as_array(value).shape
+    except (TypeError, ValueError, MemoryError):
+        return None
+
+
+def _no_array(value: Any) -> str:
+    """What is no array, in a line for messages."""
+    rows = value[:_ROWS] if isinstance(value, list | tuple) else []
+    shapes = list(dict.fromkeys(str(shape_of(row)) for row in rows))
+    if len(shapes) > 1:
+        return f"rows of shapes {shapes[0]} and {shapes[1]}"
+    return " ".join(shown(value).split())
 
 
 class Record:
@@ -64,6 +83,27 @@ class Record:
             )
         return self.fields[key]
 
+    def shape(self, key: str, wanted: str = "") -> tuple[int, ...]:
+        """The shape of a field of anything; `wanted` as of `raw`."""
+        header = getattr(self.fields, "header", None)
+        if header is not None and key in self.fields:
+            found, dtype = header(key)
+            if not dtype.hasobject:
+                return tuple(found)
+        return self._as_array(key, wanted).shape
+
+    def flat(self, key: str, wanted: str = "") -> NDArray[Any]:
+        """The values of a field of anything, in one row; `wanted` as of `raw`."""
+        return self._as_array(key, wanted).reshape(-1)
+
+    def _as_array(self, key: str, wanted: str) -> NDArray[Any]:
+        value = self.raw(key, wanted)
+        try:
+            return as_array(value)
+        except (TypeError, ValueError, MemoryError):
+            expected = f"an array {wanted}".rstrip()
+            raise self.error(key, f"found {_no_array(value)}, expected {expected}") from None
+
     def array(self, key: str, *shape: int | None, frames: slice = _ALL) -> Array:
         """A field as finite float64 numbers of `shape` (None: T), cut to `frames`."""
         return np.array(self.numbers(key, *shape, frames=frames), dtype=np.float64)
@@ -81,7 +121,7 @@ class Record:
         try:
             array = as_array(value)
         except (TypeError, ValueError, MemoryError):
-            raise self.error(key, f"found {shown(value)}, expected numbers {wanted}") from None
+            raise self.error(key, f"found {_no_array(value)}, expected numbers {wanted}") from None
         self._check(key, array.shape, array.dtype, shape, wanted)
         if shape and shape[0] is None:
             array = array[frames]
@@ -111,7 +151,7 @@ class Record:
 
     def number(self, key: str, *, above: float = -np.inf, below: float = np.inf) -> float:
         """A field as one number: an array of any shape with one element."""
-        array = as_array(self.raw(key, "(one number)"))
+        array = self._as_array(key, "(one number)")
         one = array.size == 1 and array.dtype.kind in "fiu"
         if not one or not above < float(array.reshape(-1)[0]) < below:
             range = f" between {above:g} and {below:g}" if np.isfinite([above, below]).any() else ""
@@ -120,7 +160,7 @@ class Record:
 
     def text(self, key: str) -> str:
         """A field as text, stored as str, bytes or an array of one of them."""
-        value = as_array(self.raw(key, "(text)"))
+        value = self._as_array(key, "(text)")
         item = value.reshape(-1)[0] if value.size == 1 else None
         if isinstance(item, bytes):
             item = item.decode("utf-8", "replace")

@@ -10,8 +10,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TypeVar
 
-import numpy as np
-
 from halfphysics.base.reader_warnings import one_warning, warn
 from halfphysics.base.stopwatch import Stopwatch
 from halfphysics.base.suggestions import did_you_mean
@@ -23,6 +21,7 @@ from halfphysics.formats.amass import smpl as amass_smpl
 from halfphysics.formats.amass import smplh as amass_smplh
 from halfphysics.formats.amass import smplx as amass_smplx
 from halfphysics.formats.bvh import bvh
+from halfphysics.formats.checked_fields import shape_of
 from halfphysics.formats.checked_options import checked_options
 from halfphysics.formats.content_check import checked
 from halfphysics.formats.datasets import (
@@ -358,6 +357,8 @@ def _found(path: str | os.PathLike[str], options: Options) -> tuple[Source, Form
         return source, format, options
     if not options.clip:
         names = list(islice(format.clips(source), 13))
+        if not names:
+            raise no_clips(source)
         if len(names) == 1:
             return source, format, replace(options, clip=names[0])
         more = ", ..." if len(names) > 12 else ""
@@ -366,6 +367,8 @@ def _found(path: str | os.PathLike[str], options: Options) -> tuple[Source, Form
             "clip=; halfphysics.clips(path) goes through them all"
         )
     names = list(format.clips(source))
+    if not names:
+        raise no_clips(source)
     if options.clip not in names:
         hint = did_you_mean(options.clip, names, count=3, otherwise=f", such as {names[0]!r}")
         raise InputError(
@@ -373,6 +376,11 @@ def _found(path: str | os.PathLike[str], options: Options) -> tuple[Source, Form
             f"{hint}"
         )
     return source, format, options
+
+
+def no_clips(source: Source) -> FileError:
+    """The error for a file of clips that has none."""
+    return FileError(f"{source.path}: holds no clips, expected at least one")
 
 
 def unknown(source: Source) -> FileError:
@@ -419,8 +427,8 @@ def _like_amass(source: Source) -> str:
     if poses is None:
         return ""
     npz = source.npz
-    shape = np.shape(fields[poses]) if npz is None else npz.header(poses)[0]
-    if amass.row_width(shape) not in amass.COLUMNS:
+    shape = shape_of(fields[poses]) if npz is None else npz.header(poses)[0]
+    if amass.row_width(shape or ()) not in amass.COLUMNS:
         return ""
     if npz is not None:
         return f" These are AMASS's fields, but for '{poses}': name it '{_POSES[0]}'."

@@ -80,9 +80,9 @@ def motion_in(where: str, npz: Npz, options: Options) -> Motion:
     if "gender" in record and number not in range(len(_GENDERS)):
         raise record.error("gender", f"found {number:g}, expected 0 neutral, 1 male or 2 female")
     per_frame = {}
-    if _EXPRESSION in record and np.ndim(record.raw(_EXPRESSION)) == 2:
+    if _EXPRESSION in record and len(record.shape(_EXPRESSION)) == 2:
         per_frame[_EXPRESSION] = record.numbers(
-            _EXPRESSION, None, np.shape(record.raw(_EXPRESSION))[1], frames=options.frames
+            _EXPRESSION, None, record.shape(_EXPRESSION)[1], frames=options.frames
         )
     return motion_of(
         where,

@@ -11,6 +11,7 @@ jaw_pose, leye_pose, reye_pose, expression`, in any shape in which people store 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from collections.abc import Sequence as Listing
 from typing import Any, Literal, NamedTuple
@@ -139,7 +140,7 @@ def _turns(
 
 
 def _has(record: Record, key: str) -> bool:
-    return key in record and record.raw(key) is not None and np.size(record.raw(key)) > 0
+    return key in record and record.raw(key) is not None and math.prod(record.shape(key)) > 0
 
 
 def _translation(record: Record, key: str) -> Array:

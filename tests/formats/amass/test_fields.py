@@ -116,6 +116,9 @@ def test_amass_in_a_pickle_or_by_another_name_says_how_to_save_it(tmp_path, name
     content = fields("smplh")
     poses = content.pop("poses")
     (tmp_path / "a.pkl").write_bytes(pickle.dumps(content | {name: poses}, 2))
+    (tmp_path / "b.pkl").write_bytes(pickle.dumps(content | {name: [*poses[:-1], poses[-1][:9]]}))
+    with pytest.raises(FileError, match="no known motion format"):
+        Motion.load(tmp_path / "b.pkl")
     said = r"numpy\.savez\(path, \*\*fields\)\)" + (
         "" if name == "poses" else f" with '{name}' named"
     )

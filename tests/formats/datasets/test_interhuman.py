@@ -6,7 +6,13 @@ import pytest
 
 import halfphysics as hp
 from support.files import recorded_sets as sets
-from support.files.wrong_files import broken_bytes_are_refused, hostile_is_refused, refused, usual
+from support.files.wrong_files import (
+    broken_bytes_are_refused,
+    hostile_is_refused,
+    refused,
+    uneven,
+    usual,
+)
 
 PEOPLE = [sets.person(seed, tuple(range(22))) for seed in (2, 3)]
 
@@ -31,7 +37,10 @@ def test_a_file_without_a_rate_has_that_of_the_data_set(tmp_path):
     assert sets.load(written(tmp_path, content)).motions[0].fps == 59.94
 
 
-@pytest.mark.parametrize(("spoil", "message"), [c[1:] for c in usual("trans") + usual("pose_body")])
+CASES = [*usual("trans"), *usual("pose_body"), *map(uneven, ("trans", "pose_body", "betas"))]
+
+
+@pytest.mark.parametrize(("spoil", "message"), [c[1:] for c in CASES], ids=[c[0] for c in CASES])
 def test_wrong_people(tmp_path, spoil, message):
     content = sets.interhuman_fields(PEOPLE)
     spoil(content["person1"])

@@ -19,6 +19,7 @@ from support.files.wrong_files import (
     hostile_is_refused,
     put,
     refused,
+    uneven,
     usual,
     without,
 )
@@ -83,6 +84,7 @@ def test_a_clip_without_fingers_needs_nothing_said(tmp_path):
 WRONG = [
     *usual("transl"),
     *usual("body_pose"),
+    *map(uneven, ("transl", "global_orient", "body_pose", "expression")),
     ("no root", without("global_orient"), "'global_orient' is missing"),
     ("betas per frame", put("betas", np.random.default_rng(0).normal(size=(12, 10))), "changes"),
     ("betas of another length", put("betas", np.ones((5, 10))), "betas"),

@@ -11,7 +11,15 @@ import pytest
 import halfphysics as hp
 from support.files.layouts import movement, quiet
 from support.files.position_files import offsets, places, rows
-from support.files.wrong_files import changed, hostile_is_refused, put, refused, spoilt, without
+from support.files.wrong_files import (
+    changed,
+    hostile_is_refused,
+    put,
+    refused,
+    spoilt,
+    uneven,
+    without,
+)
 
 MET = 2e-3  # metres, mean over joints and frames
 ROUNDING = 1e-6
@@ -91,6 +99,10 @@ def test_rotations_of_other_models(tmp_path):
         (changed("motion", lambda a: np.moveaxis(a, 3, 1)), "'motion'.*expected"),
         (spoilt("motion", (0, 3, 1, 4), np.nan), "'motion'.*NaN.*frame 4"),
         (put("motion", "walk"), "'motion'.*expected"),
+        uneven("motion")[1:],
+        (put("motion", np.zeros((0, 22, 3, 30))), "holds no clips, expected at least one"),
+        (put("num_samples", 0.5), "'num_samples': found 0.5, expected a whole number above 0"),
+        (put("num_samples", -2), "'num_samples'.*expected a whole number above 0"),
     ],
 )
 def test_wrong_files(tmp_path, spoil, message):

@@ -45,6 +45,15 @@ def spoilt(key: str, index: Any, value: float) -> Callable[[Fields], Any]:
     return changed(key, spoil)
 
 
+def uneven(key: str) -> Case:
+    """Rows of different lengths, which are no array: for files that hold lists."""
+
+    def spoil(array: np.ndarray) -> list[Any]:
+        return [*array.tolist(), array[-1][:-1].tolist()]
+
+    return f"{key} uneven", changed(key, spoil), rf"'{key}'.*expected"
+
+
 def usual(key: str) -> list[Case]:
     """Faults of numbers per frame, `key` (T, n)."""
     return [

@@ -8,6 +8,7 @@ run_estimate_smpl.py).
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -51,7 +52,7 @@ def _load(source: Source, options: Options) -> Motion:
     scaling = record.number("smpl_scaling", above=0.0)
     translation = record.array("smpl_trans", None, 3, frames=options.frames) / scaling
     per_frame = {_RIGID_HANDS: poses[:, 22:]}
-    if "smpl_loss" in record and np.size(record.raw("smpl_loss")) == 1:
+    if "smpl_loss" in record and math.prod(record.shape("smpl_loss")) == 1:
         loss = record.number("smpl_loss")
     else:
         loss = None

@@ -135,7 +135,7 @@ def _up(where: str, rotations: Array, options: Options) -> Literal["y", "-y"]:
 
 def _times(record: Record) -> Array:
     """Times of the frames (T,) [s]; text of any kind that ends in a number."""
-    values = np.asarray(record.raw("frame_times", "(T,)")).reshape(-1)
+    values = record.flat("frame_times", "(T,)")
     out = np.empty(len(values))
     for row, value in enumerate(values):
         text = value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)

@@ -118,10 +118,10 @@ def _person(path: Path, source: Source, options: Options) -> tuple[Motion, Body 
     keys = ["transl", "global_orient", "body_pose", *(k for k in _HANDS if k in record)]
     places = None
     if "joints" in record:
-        count = np.shape(record.raw("joints"))[1:2]
+        count = record.shape("joints")[1:2]
         if not count or count[0] < N_JOINTS:
             raise record.error(
-                "joints", f"found shape {np.shape(record.raw('joints'))}, expected (N, 127, 3)"
+                "joints", f"found shape {record.shape('joints')}, expected (N, 127, 3)"
             )
         places = record.array("joints", None, count[0], 3, frames=options.frames)
         keys.append("joints")
@@ -159,7 +159,7 @@ def _betas(record: Record, options: Options) -> Array | None:
     """One shape for every frame (T, n), or one for all."""
     if "betas" not in record:
         return None
-    shape = np.shape(record.raw("betas"))
+    shape = record.shape("betas")
     if len(shape) != 2:
         return record.array("betas", *shape)
     betas = record.array("betas", None, shape[1])

@@ -8,8 +8,6 @@ stands. Frames that the mask calls bad (out of view) are kept, and counted in a 
 
 from __future__ import annotations
 
-import numpy as np
-
 from halfphysics.base.reader_warnings import warn
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.datasets.median_shape import median_shape
@@ -40,7 +38,7 @@ def _load(source: Source, options: Options) -> Motion:
     translation = record.array("trans", None, 3, frames=options.frames)
     frames = same_length(str(source.path), {key: len(record.raw(key)) for key in _KEYS})
     if "good_frames_mask" in whole:
-        mask = np.asarray(whole.raw("good_frames_mask")).reshape(-1)
+        mask = whole.flat("good_frames_mask")
         same_length(str(source.path), {"trans": frames, "good_frames_mask": len(mask)})
         bad = int((~mask[options.frames].astype(bool)).sum())
         if bad:

@@ -129,7 +129,7 @@ def _rows(where: str, folder: Path, track: Track) -> tuple[Array, Record]:
     for key, value in rows[0].fields.items():
         parts = []
         for record in rows:
-            part = np.asarray(record.raw(key)).reshape(-1)
+            part = record.flat(key)
             if part.size != value.size:
                 raise record.error(
                     key, f"found {part.size} numbers, expected {value.size} as in the first frame"

@@ -77,7 +77,7 @@ def _sniff(source: Source) -> bool:
 
 def _load(source: Source, options: Options) -> Motion:
     record = Record(source.path, _clip(source) or {})
-    shape = np.shape(record.raw("joints_array"))
+    shape = record.shape("joints_array")
     wide = shape[1:] == (N_JOINTS - 1, 4)
     layout = (None, N_JOINTS - 1, 4) if wide else (None, 4 * (N_JOINTS - 1))
     turns = record.array("joints_array", *layout, frames=options.frames).reshape(-1, 54, 4)

@@ -57,7 +57,7 @@ def _load(source: Source, options: Options) -> Motion:
 
 def _before(record: Record, options: Options) -> tuple[Array, Array, bool]:
     """Translation, rotations, and whether there are fingers."""
-    shape = np.shape(record.raw(BEFORE))
+    shape = record.shape(BEFORE)
     width = shape[1] if len(shape) == 2 else 0
     if width not in _WIDTHS:
         raise record.error(BEFORE, f"found shape {shape}, expected (T, 75) or (T, 168)")

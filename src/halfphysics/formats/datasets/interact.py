@@ -90,7 +90,7 @@ def _person(source: Source) -> Record:
 
 def _load(source: Source, options: Options) -> Motion:
     record = _person(source)
-    shape = np.shape(record.raw("poses", "(T, 156)"))
+    shape = record.shape("poses", "(T, 156)")
     width = shape[1] if len(shape) == 2 else 0
     if width not in (*_WIDTHS, _WITH_COMPONENTS):
         raise record.error(

@@ -91,7 +91,7 @@ def _load(source: Source, options: Options) -> Motion:
         hands, keys, place = dict(zip(HANDS, (left, right), strict=True)), ["poses"], "trans"
     else:
         root = record.array("global_orient", None, 3, frames=rows)
-        flat = np.ndim(record.raw("body_pose", "(T, 63)")) != 3
+        flat = len(record.shape("body_pose", "(T, 63)")) != 3
         body = record.array("body_pose", *((None, 63) if flat else (None, 21, 3)), frames=rows)
         found = [key for key in HANDS if key in record]
         hands = {key: record.array(key, None, _COMPONENTS, frames=rows) for key in found}

@@ -10,8 +10,6 @@ from collections.abc import Sequence as Listing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from halfphysics.base.stored_objects import write
 from halfphysics.errors import InputError
 from halfphysics.formats.checked_fields import Record
@@ -72,7 +70,7 @@ def _load(source: Source, options: Options) -> Motion:
     whole = Record(source.path, source.data)
     translation = record.array("trans", None, 3, frames=options.frames)
     root = record.array("root_orient", None, 3, frames=options.frames)
-    shape = (None, 21, 3) if np.ndim(record.raw("pose_body", "(T, 63)")) == 3 else (None, 63)
+    shape = (None, 21, 3) if len(record.shape("pose_body", "(T, 63)")) == 3 else (None, 63)
     body = record.array("pose_body", *shape, frames=options.frames)
     frames = same_length(record.where, {key: len(record.raw(key)) for key in _KEYS})
     return motion_of(

@@ -33,7 +33,7 @@ def median_shape(record: Record, frames: int, key: str = "betas") -> Array | Non
     """
     if key not in record:
         return None
-    betas = record.array(key, *[None] * np.ndim(record.raw(key)))
+    betas = record.array(key, *[None] * len(record.shape(key)))
     if betas.ndim != 2 or len(betas) != frames:
         return betas
     middle = np.median(betas, axis=0)

@@ -23,7 +23,7 @@ from halfphysics.base import rotations as rot
 from halfphysics.base.reader_warnings import warn
 from halfphysics.base.stored_objects import read
 from halfphysics.errors import FileError
-from halfphysics.formats.checked_fields import Record
+from halfphysics.formats.checked_fields import Record, shape_of
 from halfphysics.formats.datasets.assets import find, seek
 from halfphysics.formats.datasets.median_shape import median_shape
 from halfphysics.formats.datasets.recorded import add_recorded, of_file
@@ -159,7 +159,7 @@ def _nearest(there: NDArray[np.intp], total: int) -> NDArray[np.intp]:
 
 
 def _matrix(path: Path, name: str, value: Any) -> Array:
-    matrix = np.asarray(value, dtype=np.float64) if np.shape(value) == (4, 4) else np.zeros((4, 4))
+    matrix = np.asarray(value, dtype=np.float64) if shape_of(value) == (4, 4) else np.zeros((4, 4))
     out = np.eye(4)
     try:
         out[:3, :3], out[:3, 3] = rigid(path, matrix[:3, :3], matrix[:3, 3])

@@ -19,6 +19,7 @@ from halfphysics.base import rotations as rot
 from halfphysics.base.axes import axes_of
 from halfphysics.base.reader_warnings import warn
 from halfphysics.errors import FileError
+from halfphysics.formats.checked_fields import shape_of
 from halfphysics.formats.datasets.assets import find, seek
 from halfphysics.formats.datasets.frame_folders import a_frame, people_in, person_in
 from halfphysics.formats.datasets.recorded import of_file
@@ -64,7 +65,7 @@ def _world(source: Source, options: Options) -> tuple[Array, Array] | None:
     if path is None:
         return None
     matrix = read_json(path)
-    if np.shape(matrix) != (4, 4):
+    if shape_of(matrix) != (4, 4):
         raise FileError(f"{path}: found no matrix (4, 4), expected the camera in the world")
     rows = np.asarray(matrix)
     return rigid(path, rows[:3, :3], rows[:3, 3])

@@ -81,7 +81,7 @@ def _load(source: Source, options: Options) -> Motion:
     lengths = {key: len(record.raw(key)) for key in ("poses", "trans")}
     frames = same_length(record.where, lengths)
     if "campose_valid" in record:
-        bad = int((~np.asarray(record.raw("campose_valid")).astype(bool)).sum())
+        bad = int((~record.flat("campose_valid").astype(bool)).sum())
         if bad:
             warn(
                 f"{record.where}: the camera is not known in {bad} images (campose_valid), so the "

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from halfphysics.base.stored_objects import write
-from halfphysics.formats.checked_fields import Record
+from halfphysics.formats.checked_fields import Record, shape_of
 from halfphysics.formats.format import Format, Options, Source
 from halfphysics.formats.gender_names import said_gender
 from halfphysics.formats.motion_builder import (
@@ -44,8 +44,8 @@ def _sniff(source: Source) -> bool:
     data = source.data
     if not isinstance(data, dict) or not data.keys() >= _NEEDED or data.keys() - _NAMES:
         return False
-    widths = {key: np.shape(data[key])[1:] for key in _NEEDED}
-    return all(widths[key] == (3 * len(PARTS[key]),) for key in _NEEDED)
+    shapes = {key: shape_of(data[key]) or () for key in _NEEDED}
+    return all(shapes[key][1:] == (3 * len(PARTS[key]),) for key in _NEEDED)
 
 
 def _load(source: Source, options: Options) -> Motion:
@@ -60,7 +60,7 @@ def _load(source: Source, options: Options) -> Motion:
     same_length(str(source.path), {**lengths, "transl": len(translation)})
     per_frame = {}
     if _EXPRESSION in record:
-        width = np.shape(record.raw(_EXPRESSION))[-1]
+        width = record.shape(_EXPRESSION)[-1]
         per_frame[_EXPRESSION] = record.numbers(_EXPRESSION, None, width, frames=options.frames)
     fingers = any(key in parts and parts[key].any() for key in _HANDS)
     has_hands = any(key in parts for key in _HANDS)

@@ -137,7 +137,7 @@ def _load(source: Source, options: Options) -> Motion:
     }
     translation = record.array("human_transl", None, 3, frames=rows)
     if "bad_frames" in record:
-        bad = np.asarray(record.raw("bad_frames")).reshape(-1)
+        bad = record.flat("bad_frames")
         count = int(((bad >= rows.start) & (bad < rows.stop)).sum())
         if count:
             warn(f"{where}: the data set calls {count} of its frames bad (bad_frames.npy)")
@@ -168,8 +168,8 @@ def _load_sequence(source: Source, options: Options) -> Sequence:
         scene.add_static(name, path, up="y")
     tracks = {}
     if "object_flag" in record and "object_mat" in record:
-        width = np.shape(record.raw("object_flag"))[-1]
-        flags = record.numbers("object_flag", None, width, frames=rows).astype(np.int64)
+        width = record.shape("object_flag")[1:]
+        flags = record.numbers("object_flag", None, *width[:1], frames=rows).astype(np.int64)
         matrices = record.array("object_mat", None, 5, 4, 4, frames=rows)
         for index in np.flatnonzero((flags >= 0).all(axis=0)):
             name = _listed(record, "object_list", int(index))
@@ -197,7 +197,7 @@ def _load_sequence(source: Source, options: Options) -> Sequence:
 
 
 def _listed(record: Record, key: str, index: int) -> str:
-    names = np.asarray(record.raw(key, "(text)")).reshape(-1)
+    names = record.flat(key, "(text)")
     if not 0 <= index < len(names):
         raise record.error(key, f"found {len(names)} names, expected one of number {index}")
     name = names[index]

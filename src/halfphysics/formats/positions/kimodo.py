@@ -71,7 +71,7 @@ def _record(source: Source) -> tuple[Record, int]:
         FileError: It is another.
     """
     record = Record(source.path, source.npz or {})
-    shape = np.shape(record.raw(_PLACES))
+    shape = record.shape(_PLACES)
     count = shape[1] if len(shape) == 3 else 0
     if count == _ROBOT:
         raise record.error(

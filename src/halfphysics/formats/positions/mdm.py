@@ -42,7 +42,7 @@ def _sniff(source: Source) -> bool:
 
 
 def _shape(record: Record) -> tuple[int, ...]:
-    shape: tuple[int, ...] = np.shape(record.raw("motion"))
+    shape: tuple[int, ...] = record.shape("motion")
     places = len(shape) == 4 and shape[2] == 3 and shape[1] in LAYOUTS
     if not places and not (len(shape) == 4 and shape[1:3] == (25, 6)):
         raise record.error(
@@ -56,8 +56,16 @@ def _shape(record: Record) -> tuple[int, ...]:
 def _clips(source: Source) -> list[str]:
     record = Record(source.path, source.data)
     count = _shape(record)[0]
-    samples = int(record.number("num_samples", above=0.0)) if "num_samples" in record else count
+    samples = _samples(record) if "num_samples" in record else count
     return [f"sample{i % samples:02d}_rep{i // samples:02d}" for i in range(count)]
+
+
+def _samples(record: Record) -> int:
+    """How many samples are in each repetition."""
+    said = record.number("num_samples")
+    if said < 1.0 or said % 1.0:
+        raise record.error("num_samples", f"found {said:g}, expected a whole number above 0")
+    return int(said)
 
 
 def _clip(source: Source, options: Options) -> tuple[Record, tuple[int, ...], dict[str, Any]]:

@@ -35,17 +35,17 @@ def _sniff(source: Source) -> bool:
 
 def _people(source: Source) -> dict[str, Seen]:
     record = Record(source.path, NpzObjects(source.path))
-    images = [str(name) for name in np.asarray(record.raw("imgname")).reshape(-1)]
-    width = np.shape(record.raw("pose_world"))[1:]
+    images = [str(name) for name in record.flat("imgname")]
+    width = record.shape("pose_world")[1:]
     rows: dict[str, Any] = {
         "pose_world": record.array("pose_world", None, *width[:1]),
         "trans_world": record.array("trans_world", None, 3),
     }
     if "shape" in record:
-        rows["shape"] = record.array("shape", None, *np.shape(record.raw("shape"))[1:])
+        rows["shape"] = record.array("shape", None, *record.shape("shape")[1:])
     if "gender" in record:
-        rows["gender"] = np.asarray(record.raw("gender")).reshape(-1)
-    subjects = np.asarray(record.raw("sub")).reshape(-1) if "sub" in record else [""] * len(images)
+        rows["gender"] = record.flat("gender")
+    subjects = record.flat("sub") if "sub" in record else [""] * len(images)
     lengths = {"imgname": len(images), "sub": len(subjects)}
     same_length(record.where, {**lengths, **{key: len(value) for key, value in rows.items()}})
     found: dict[str, list[tuple[int, int]]] = {}
@@ -69,7 +69,7 @@ def _word(raw: Any) -> str:
 
 def _read(who: Seen, options: Options) -> Motion:
     record = who.record
-    smpl = np.shape(record.raw("pose_world"))[1:] == (3 * JOINTS,)
+    smpl = record.shape("pose_world")[1:] == (3 * JOINTS,)
     if smpl:
         rotations = vectors_in(record, "pose_world")
     else:

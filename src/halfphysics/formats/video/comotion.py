@@ -37,7 +37,7 @@ def _people(source: Source) -> dict[str, Seen]:
     widths = {"pose": 72, "trans": 3}
     rows = {key: record.array(key, None, width) for key, width in widths.items()}
     if "betas" in record:
-        rows["betas"] = record.array("betas", None, *np.shape(record.raw("betas"))[1:])
+        rows["betas"] = record.array("betas", None, *record.shape("betas")[1:])
     lengths = {key: len(value) for key, value in rows.items()}
     same_length(record.where, {"id": len(ids), "frame_idx": len(numbers), **lengths})
     found = {

@@ -73,7 +73,7 @@ def _load(source: Source, options: Options) -> Motion:
 
 
 def _soma(where: str, record: Record, options: Options, *, world: bool) -> Motion:
-    shape = np.shape(record.raw("body_pose"))
+    shape = record.shape("body_pose")
     pose = record.array("body_pose", None, *shape[1:])
     root = record.array("global_orient", None, 3)
     hips = record.array("transl", None, 3)

@@ -94,7 +94,7 @@ def _by_row(source: Source, outputs: Mapping[Any, Any]) -> dict[str, Seen]:
     ids = record.array("track_ids", None)
     numbers = record.array("reorganize_idx", None)
     keys = [key for key in (_POSE, _SHAPE, _PLACE, *_WORLD) if key in record]
-    rows = {key: record.array(key, None, *np.shape(record.raw(key))[1:]) for key in keys}
+    rows = {key: record.array(key, None, *record.shape(key)[1:]) for key in keys}
     lengths = {key: len(value) for key, value in rows.items()}
     if {len(ids), len(numbers), *lengths.values()} != {len(ids)}:
         raise FileError(
@@ -139,7 +139,7 @@ def _by_order(source: Source, results: Mapping[Any, Any]) -> dict[str, Seen]:
             continue  # nobody was seen
         record = Record(f"{source.path}, frame {number}", frame)
         keys = [key for key in (_POSE, _SHAPE, _PLACE) if key in record or key != _SHAPE]
-        arrays = {k: record.array(k, None, *np.shape(record.raw(k))[1:]) for k in keys}
+        arrays = {k: record.array(k, None, *record.shape(k)[1:]) for k in keys}
         for row in range(len(arrays[_POSE])):
             if any(row >= len(value) for value in arrays.values()):
                 raise record.error(_PLACE, "fewer rows than people, expected one for each")

@@ -61,7 +61,7 @@ def _sniff(source: Source) -> bool:
 def _people(source: Source) -> dict[str, Seen]:
     npz = source.npz
     whole = Record(source.path, {} if npz is None else npz)
-    shape = np.shape(whole.raw("trans"))
+    shape = whole.shape("trans")
     if len(shape) != 3 or shape[2] != 3 or 0 in shape:
         raise whole.error(
             "trans", f"found shape {shape}, expected (people, T, 3) of people and frames, T > 0"
@@ -70,7 +70,7 @@ def _people(source: Source) -> dict[str, Seen]:
     widths = {"trans": 3, "root_orient": 3, "pose_body": 63}
     rows = {key: whole.array(key, *shape[:2], width) for key, width in widths.items()}
     if "betas" in whole:
-        rows["betas"] = whole.array("betas", people, *np.shape(whole.raw("betas"))[1:])
+        rows["betas"] = whole.array("betas", people, *whole.shape("betas")[1:])
     plane = _plane(whole, rows["root_orient"]) if _PLANE in whole else None
     known = _tracks(source.path, people, frames)
     found = {}

@@ -66,7 +66,7 @@ def _people(source: Source) -> dict[str, Seen]:
         if not isinstance(data, dict):
             raise FileError(f"{path}: found a {type(data).__name__}, expected a dict of tensors")
         match = _TRACK.fullmatch(path.name)
-        numbers = np.asarray(Record(path, data).raw("frame", "(N,)")).reshape(-1)
+        numbers = Record(path, data).flat("frame", "(N,)")
         found[match[1] if match else path.stem] = numbers, {**data, **_camera(path)}
     return seen(source.path, found)
 
@@ -87,7 +87,7 @@ def _read(who: Seen, options: Options) -> Motion:
     record = who.record
     rotations = matrices_in(record, "pred_rotmat")
     count = len(rotations)
-    shape = np.shape(record.raw("pred_trans", "(N, 1, 3)"))
+    shape = record.shape("pred_trans", "(N, 1, 3)")
     middle = shape[1:-1] if shape[1:-1] in ((), (1,)) else (1,)
     translation = record.array("pred_trans", None, *middle, 3).reshape(-1, 3)
     same_length(record.where, {"pred_rotmat": count, "pred_trans": len(translation)})

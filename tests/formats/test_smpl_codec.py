@@ -65,6 +65,22 @@ def test_read_and_written(tmp_path):
     assert np.array_equal(back.betas, other.betas)
 
 
+@pytest.mark.parametrize("rows", [1, 11])
+def test_expressions_are_of_each_frame_or_of_all(tmp_path, rows):
+    content = {**fields(), "expressionParameters": np.ones((rows, 10), np.float32)}
+    path = saved(tmp_path / "a.smpl", content)
+    if rows == 1:
+        motion = hp.Motion.load(path)
+    else:
+        with pytest.warns(hp.HalfPhysicsWarning, match="found 11 rows for 12 frames.*not kept"):
+            motion = hp.Motion.load(path)
+    motion.resample(30.0).save(tmp_path / "b.smpl")
+    again = np.load(tmp_path / "b.smpl")
+    kept = "expressionParameters" in again
+    assert kept == (rows == 1)
+    assert not kept or np.array_equal(again["expressionParameters"], np.ones((6, 10)))
+
+
 WRONG = [
     ("no pose", without("bodyPose"), "holds a shape and no motion"),
     ("no translation", without("bodyTranslation"), "'bodyTranslation' is missing"),

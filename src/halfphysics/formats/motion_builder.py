@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from halfphysics.base.axes import axes_of, turned
 from halfphysics.base.reader_warnings import warn
 from halfphysics.errors import FileError, InputError
+from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.format import Options
 from halfphysics.formats.gender_names import gender_named
 from halfphysics.formats.speed_check import is_rest_pose, rest_pose_first, warn_of_speed
@@ -62,6 +63,29 @@ def same_length(where: str, lengths: Mapping[str, int]) -> int:
             "each as there are frames"
         )
     return next(iter(lengths.values()))
+
+
+def kept_rows(record: Record, key: str, total: int, frames: slice) -> dict[str, NDArray[Any]]:
+    """A field with a row for each of `total` frames, to be written back, as `per_frame` of
+    `motion_of`; a single row is every frame's. Empty without the field.
+
+    Warns:
+        HalfPhysicsWarning: It has another number of rows, and is not kept.
+    """
+    if key not in record:
+        return {}
+    shape = record.shape(key)
+    count = shape[0] if shape else 0
+    if count not in (1, total):
+        warn(
+            f"{record.where}: field '{key}': found {count} rows for {total} frames, expected one "
+            "for each: it is not kept"
+        )
+        return {}
+    if count == total:
+        return {key: record.numbers(key, None, *shape[1:2], frames=frames)}
+    rows = record.numbers(key, None, *shape[1:2])
+    return {key: np.repeat(rows, len(range(total)[frames]), axis=0)}
 
 
 def mean_hands(path: str | os.PathLike[str] | None, gender: str) -> Array:
@@ -118,13 +142,15 @@ def motion_of(
             fingers.
         world: Rotation (3, 3) and place (3,) [m] of the file's frame in the data set's world, in
             which `up` is up; None: the file is in that world.
-        fields, per_frame: Further data for the format's writer; see `FileMetadata`.
+        fields, per_frame: Further data for the format's writer; see `FileMetadata`. `per_frame` has
+            as many rows as there are frames.
 
     Raises:
         FileError: The motion is impossible.
         InputError: An option does not fit the file.
     """
-    same_length(where, {"translation": len(translation), "rotations": len(rotations)})
+    lengths = {"translation": len(translation), "rotations": len(rotations)}
+    same_length(where, {**lengths, **{key: len(rows) for key, rows in (per_frame or {}).items()}})
     fps = rate_of(where, options, fps)
     gender = _gender(where, options, gender)
     if options.model is not None and str(options.model) in MODELS:

@@ -20,6 +20,7 @@ from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.format import Format, Options, Source
 from halfphysics.formats.motion_builder import (
     file_parameters,
+    kept_rows,
     lost_model,
     motion_of,
     rotations_of,
@@ -81,9 +82,8 @@ def motion_in(where: str, npz: Npz, options: Options) -> Motion:
         raise record.error("gender", f"found {number:g}, expected 0 neutral, 1 male or 2 female")
     per_frame = {}
     if _EXPRESSION in record and len(record.shape(_EXPRESSION)) == 2:
-        per_frame[_EXPRESSION] = record.numbers(
-            _EXPRESSION, None, record.shape(_EXPRESSION)[1], frames=options.frames
-        )
+        total = record.shape("bodyTranslation")[0]
+        per_frame = kept_rows(record, _EXPRESSION, total, options.frames)
     return motion_of(
         where,
         options,

@@ -74,6 +74,22 @@ def test_a_clip_is_read_and_written(tmp_path):
         assert np.abs(again[key] - value).max(initial=0.0) < ROUNDING, key
 
 
+def test_one_expression_is_that_of_every_frame(tmp_path):
+    content = {**fields(), "expression": np.arange(10.0)[None]}
+    motion = hp.Motion.load(pickled(tmp_path / "a.pkl", content), hands="flat", frames=(2, 10))
+    motion.resample(60.0).save(tmp_path / "b.pkl")
+    again = pickle.loads((tmp_path / "b.pkl").read_bytes())["expression"]
+    assert np.array_equal(again, np.tile(np.arange(10.0), (15, 1)))
+
+
+def test_expressions_of_other_frames_are_not_kept(tmp_path):
+    path = pickled(tmp_path / "a.pkl", {**fields(), "expression": np.ones((11, 10))})
+    with pytest.warns(hp.HalfPhysicsWarning, match="'expression': found 11 rows for 12.*not kept"):
+        motion = hp.Motion.load(path, hands="flat", frames=(2, 8))
+    motion.resample(60.0).save(tmp_path / "b.pkl")
+    assert "expression" not in pickle.loads((tmp_path / "b.pkl").read_bytes())
+
+
 def test_a_clip_without_fingers_needs_nothing_said(tmp_path):
     content = fields()
     for key in ("left_hand_pose", "right_hand_pose"):

@@ -19,6 +19,7 @@ from halfphysics.formats.format import Format, Options, Source
 from halfphysics.formats.gender_names import said_gender
 from halfphysics.formats.motion_builder import (
     file_parameters,
+    kept_rows,
     lost_model,
     motion_of,
     rotations_of,
@@ -58,10 +59,6 @@ def _load(source: Source, options: Options) -> Motion:
     translation = record.array("transl", None, 3, frames=options.frames)
     lengths = {key: len(part) for key, part in parts.items()}
     same_length(str(source.path), {**lengths, "transl": len(translation)})
-    per_frame = {}
-    if _EXPRESSION in record:
-        width = record.shape(_EXPRESSION)[-1]
-        per_frame[_EXPRESSION] = record.numbers(_EXPRESSION, None, width, frames=options.frames)
     fingers = any(key in parts and parts[key].any() for key in _HANDS)
     has_hands = any(key in parts for key in _HANDS)
     return motion_of(
@@ -77,7 +74,7 @@ def _load(source: Source, options: Options) -> Motion:
         betas=record.raw("betas") if "betas" in record else None,
         hands="unsaid" if fingers else "flat" if has_hands else None,
         fields={"keys": tuple(record.fields)},
-        per_frame=per_frame,
+        per_frame=kept_rows(record, _EXPRESSION, record.shape("transl")[0], options.frames),
     )
 
 

@@ -51,6 +51,15 @@ def test_nothing_of_that_name(library):
         list(hp.clips(library / "README.txt"))
 
 
+@pytest.mark.parametrize("motion", [np.zeros((1, 17, 3, 9)), [np.zeros(3), np.zeros(2)]])
+def test_a_file_whose_clips_cannot_be_told_is_passed_over(library, motion):
+    path = library / "a" / "results.npy"
+    np.save(path, {"motion": motion, "lengths": np.array([9])}, allow_pickle=True)
+    assert names(hp.clips(library), library) == ["a/deep/er/jump.npz", "a/run.npz", "b/walk.npz"]
+    with pytest.raises(hp.HalfPhysicsError, match=r"results\.npy: field 'motion'.*expected"):
+        list(hp.clips(path))
+
+
 def test_files_are_opened_when_their_turn_comes(library, monkeypatch):
     opened = []
     plain = formats.Source.__init__

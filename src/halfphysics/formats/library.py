@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import glob
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from halfphysics.base.reader_warnings import warn
 from halfphysics.base.validation import file_path
 from halfphysics.errors import FileError
-from halfphysics.formats.format import Source
+from halfphysics.formats.format import Format, Source
 from halfphysics.formats.registry import identify, load_motion, load_sequence, unknown
 
 if TYPE_CHECKING:
@@ -116,11 +116,23 @@ def _under(path: Path, seen: set[str], asked: bool) -> Iterator[Clip]:
             raise
         format = None
     if format is not None:
-        names = format.clips(source) if format.clips is not None else (None,)
-        for name in names:
+        for name in _names(source, format, asked):
             yield Clip(path, format.name, name, None if name is None else source)
     elif asked and not folder:
         raise unknown(source)
     elif folder:
         for entry in sorted(path.iterdir()):
             yield from _under(entry, seen, asked=False)
+
+
+def _names(source: Source, format: Format, asked: bool) -> Iterable[str | None]:
+    """The names of the clips of a file, None for its only one; of an unreadable one none, unless it
+    is the one that was asked for."""
+    if format.clips is None:
+        return (None,)
+    try:
+        return list(format.clips(source))
+    except FileError:
+        if asked:
+            raise
+        return ()

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from halfphysics.simulation.sequence import Sequence
 
 _HEAD = 4096
+#: Suffix of glTF in text, which is JSON.
+_GLTF = ".gltf"
 
 
 class Source:
@@ -97,8 +99,11 @@ class Source:
 
     @cached_property
     def document(self) -> Any:
-        """The content of a JSON file (recognized by its first character), else None."""
-        return foreign_json.read(self.path) if foreign_json.is_json(self.head) else None
+        """The content of a JSON file (recognized by its first character), else None; None of glTF,
+        which has a reader of its own for larger files."""
+        if not foreign_json.is_json(self.head) or self.path.suffix.lower() == _GLTF:
+            return None
+        return foreign_json.read(self.path)
 
     def describe(self) -> str:
         """The content in words, for the message that no format fits."""

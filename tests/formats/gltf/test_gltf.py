@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
+from halfphysics.base import foreign_json
 from halfphysics.base import rotations as rot
 from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning
 from halfphysics.formats.bvh.channels import animated
@@ -220,6 +221,14 @@ def test_text_with_a_buffer_beside_it(tmp_path):
     (tmp_path / "a%20b.bin").unlink()
     with pytest.raises(HalfPhysicsError, match=r"a b.bin is not beside it. Copy it there"):
         read(path)
+
+
+def test_text_beyond_the_size_of_other_json(tmp_path, monkeypatch):
+    """The reader of glTF has a bound of its own."""
+    motion = motion_of()
+    hp.export(motion, tmp_path / "a.gltf")
+    monkeypatch.setattr(foreign_json, "MAX_BYTES", 1000)
+    assert off(read(tmp_path / "a.gltf"), motion) < SINGLE
 
 
 def test_several_animations_are_clips(tmp_path):

@@ -11,7 +11,7 @@ import halfphysics as hp
 from halfphysics.base import rotations as rot
 from halfphysics.base.axes import axes_of
 from halfphysics.motion.skeleton import BODY_JOINTS, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
-from support.files.layouts import movement
+from support.files.layouts import movement, quiet
 from support.files.trumans_files import CLIPS, release
 from support.files.wrong_files import (
     broken_bytes_are_refused,
@@ -172,6 +172,24 @@ def test_objects_and_scene(tmp_path):
     inside = hp.load_sequence(folder, clip="walk@1", objects="replayed")
     assert list(inside.scene.statics) == ["hall"]
     assert np.array_equal(inside.scene.objects["cup"].positions, track.position)
+
+
+@pytest.mark.parametrize("up", [None, "z", "-y"])
+def test_the_room_follows_the_axis_that_is_said_to_be_up(tmp_path, up):
+    import trimesh
+
+    folder = release(tmp_path / "TRUMANS")
+    for kind, name, size in (("Object", "cup", (0.1, 0.2, 0.3)), ("Scene", "hall", (4, 0.1, 3))):
+        (folder / f"{kind}_mesh").mkdir()
+        trimesh.creation.box(size).export(folder / f"{kind}_mesh" / f"{name}.obj")
+    sequence = quiet(folder, clip="walk@1", up=up)
+    hall = sequence.scene.statics["hall"]
+    placed = rot.rotate(hall.quaternion, hall.shape.vertices) + hall.position
+    extent = np.abs(np.array([2.0, 0.05, 1.5]) @ axes_of(up or "y").T)
+    assert np.abs(np.abs(placed).max(axis=0) - extent).max() < SINGLE
+    asked = np.load(folder / "object_mat.npy")[:12, 3, :3, 3].astype(float)
+    cup = sequence.recorded["cup"].position
+    assert np.abs(cup - asked @ axes_of(up or "y").T).max() < SINGLE
 
 
 def spoil_array(folder, key, how):

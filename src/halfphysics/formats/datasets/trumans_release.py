@@ -17,12 +17,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base import rotations as rot
 from halfphysics.base.npy import Npy
 from halfphysics.base.reader_warnings import warn
 from halfphysics.errors import FileError
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.datasets.assets import find
-from halfphysics.formats.datasets.recorded import add_recorded
+from halfphysics.formats.datasets.recorded import add_recorded, of_file
 from halfphysics.formats.format import Format, Options, Source
 from halfphysics.formats.motion_builder import motion_of, own_name, rotations_of, same_length
 from halfphysics.motion import skeleton
@@ -165,7 +166,11 @@ def _load_sequence(source: Source, options: Options) -> Sequence:
         flag = int(record.numbers("scene_flag", None, frames=rows)[0])
         name = _listed(record, "scene_list", flag)
         path = find(source, options, (f"Scene_mesh/{name}.obj",), f"the mesh of the scene {name!r}")
-        scene.add_static(name, path, up="y")
+        with of_file(str(path)):
+            if options.up in (None, "y"):
+                scene.add_static(name, path, up="y")
+            else:  # turned as the people and the things are
+                scene.add_static(name, path, quaternion=rot.from_matrix(motion.axes), up="z")
     tracks = {}
     if "object_flag" in record and "object_mat" in record:
         width = record.shape("object_flag")[1:]

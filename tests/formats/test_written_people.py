@@ -291,3 +291,13 @@ def test_numbers_of_frames_are_those_of_a_video_at_the_new_rate(change, first, l
     motion = change(hp.Motion(*movement(20), 30.0, origin=origin))
     frames = people_written([motion], "wham")["0"].frames
     np.testing.assert_array_equal(frames, np.arange(first, first + length))
+
+
+@pytest.mark.parametrize("first", range(90, 100))
+def test_half_numbers_of_frames_keep_people_apart(first):
+    """Two frames apart are one at half the rate, wherever they begin."""
+    found = []
+    for number in (first, first + 2):
+        origin = FileMetadata(format="wham", fields={"first": number})
+        found.append(hp.Motion(*movement(20), 30.0, origin=origin)[::2].origin.fields["first"])
+    assert found[1] - found[0] == 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+import weakref
 
 import numpy as np
 import pytest
@@ -199,3 +200,12 @@ def test_a_plane_keeps_a_unit_normal_to_the_last_bit():
     for normal in normals:
         plane = Plane(normal, 0.3)
         assert Plane(plane.normal, plane.offset) == plane
+
+
+def test_a_mesh_that_was_asked_goes_with_its_last_name():
+    """No cycle: worlds of many meshes need no collector."""
+    cube = Mesh(*Box((1.0, 0.8, 0.6)).triangles())
+    assert cube.depth([[0.0, 0.0, 0.0]]) == pytest.approx(0.3)
+    gone = weakref.ref(cube)
+    del cube
+    assert gone() is None

@@ -287,6 +287,15 @@ def test_joints_relax_after_as_long_where_poses_are_replaced(rate):
     assert lost[0] - 0.5 == pytest.approx(RELAX_AFTER, abs=0.1)
 
 
+@pytest.mark.parametrize("time", [None, 50.0])
+def test_after_a_stall_of_the_physics_nobody_leaps(follower, time):
+    """Who ran on meanwhile is reached at human speed, whatever the time that passed."""
+    live(follower)
+    given = arrival(pose(x=8.0), gap=2.0, time=time)
+    before = follower.pose.translation[0]
+    assert follower.advance(given, 0.0, DT).translation[0] - before < 2.6 * DT
+
+
 def test_other_axes_are_turned_into_the_start_s(follower):
     live(follower)
     axes = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])

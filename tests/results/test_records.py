@@ -9,7 +9,7 @@ import pytest
 
 from halfphysics.body.body import Body
 from halfphysics.errors import FileError
-from halfphysics.results.records import BodyRecord
+from halfphysics.results.records import BodyRecord, SceneRecord
 from support.files.model_files import fields, write_npz
 
 
@@ -33,3 +33,17 @@ def test_a_template_of_a_file_is_found_again_and_an_array_is_refused(tmp_path):
     np.testing.assert_array_equal(again(body).rest_vertices, body.rest_vertices)
     with pytest.raises(FileError, match=r"template came from no file\. .*body="):
         again(Body.load(path, v_template=template))
+
+
+def test_what_a_model_s_text_does_not_read_may_be_missing():
+    """Plugins and looks of URDF; of MJCF what no file can be called is not there."""
+    robot = (
+        '<robot name="r"><link name="a"><inertial><mass value="1"/>'
+        '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+        '<visual><geometry><mesh filename="nope.stl"/></geometry></visual>'
+        '<collision><geometry><box size="1 1 1"/></geometry></collision></link>'
+        '<gazebo><plugin name="c" filename="libcontrol.so"/></gazebo></robot>'
+    )
+    long = f'<mujoco><asset><mesh name="m" file="{"a" * 300}.obj"/></asset></mujoco>'
+    document = {"articulated": {"arm": {"xml": robot}, "thing": {"xml": long}}}
+    assert list(SceneRecord(document, "a file").missing()) == ["thing"]

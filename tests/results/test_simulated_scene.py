@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 
 import numpy as np
 import pytest
@@ -56,3 +57,20 @@ def test_pairs_are_those_of_the_simulation(simulated, change):
     scene, result = simulated
     change(scene)
     assert (result.scene.friction_pairs, result.scene.ignored_pairs) == ((), ())
+
+
+def test_a_result_that_is_made_of_another_keeps_what_was_simulated(simulated):
+    scene, result = simulated
+    other = dataclasses.replace(result, lost_time=result.lost_time)
+    assert other.scene is scene
+    add_static(scene)
+    assert "late" not in other.scene.statics
+    assert other.parts() is not None
+
+
+def test_what_is_added_to_a_result_s_scene_is_not_in_what_was_simulated(simulated, tmp_path):
+    scene, result = simulated
+    add_static(scene)
+    result.scene.add_static("mine", hp.Box((1, 1, 1)), position=(0.0, 9.0, 0.0))
+    result.save(tmp_path / "r.npz")
+    assert set(hp.Result.load(tmp_path / "r.npz").scene.statics) == {"floor"}

@@ -10,6 +10,7 @@ from halfphysics.base import limited_child
 from halfphysics.base import rotations as rot
 from halfphysics.body.body import Body
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
+from halfphysics.geometry.shapes import Mesh
 from halfphysics.metrics import penetration
 from halfphysics.results.records import SceneRecord
 from halfphysics.results.result import Result
@@ -412,3 +413,16 @@ def test_a_text_may_begin_with_the_mark_of_its_encoding():
     scene = Scene()
     scene.add_articulated("door", "\ufeff" + DOOR)
     scene.add_articulated("bytes", DOOR.encode("utf-8-sig"))
+
+
+def test_meshes_in_memory_are_those_that_were_given(tmp_path, monkeypatch):
+    """Not those of files in the working folder that are called so."""
+    monkeypatch.chdir(tmp_path)
+    trimesh.creation.box((0.1, 0.1, 0.1)).export("t.obj")
+    given = trimesh.creation.box((1.0, 1.0, 1.0)).export(file_type="obj").encode()
+    text = DOOR.replace("<mujoco>", '<mujoco><asset><mesh name="t" file="t.obj"/></asset>').replace(
+        "</body>", '<geom type="mesh" mesh="t" mass="1"/></body>', 1)  # fmt: skip
+    spec = mujoco.MjSpec.from_string(text, assets={"t.obj": given})
+    door = Scene().add_articulated("door", spec)
+    shapes = [g.shape for link in door.links for g in link.geoms if isinstance(g.shape, Mesh)]
+    assert np.ptp(shapes[0].vertices, axis=0) == pytest.approx(1.0)

@@ -67,7 +67,7 @@ def same_length(where: str, lengths: Mapping[str, int]) -> int:
 
 def kept_rows(record: Record, key: str, total: int, frames: slice) -> dict[str, NDArray[Any]]:
     """A field with a row for each of `total` frames, to be written back, as `per_frame` of
-    `motion_of`; a single row is every frame's. Empty without the field.
+    `motion_of`; a single row, or numbers without rows, are every frame's. Empty without the field.
 
     Warns:
         HalfPhysicsWarning: It has another number of rows, and is not kept.
@@ -75,6 +75,8 @@ def kept_rows(record: Record, key: str, total: int, frames: slice) -> dict[str, 
     if key not in record:
         return {}
     shape = record.shape(key)
+    if len(shape) == 1:
+        return {key: np.tile(record.numbers(key, None), (len(range(total)[frames]), 1))}
     count = shape[0] if shape else 0
     if count not in (1, total):
         warn(

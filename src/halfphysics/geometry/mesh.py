@@ -94,13 +94,17 @@ class Mesh(ReadOnly, Shape):
         """Whether every edge is used as often one way as the other: the mesh bounds a solid."""
         return mesh_queries.is_closed(self.faces, len(self.vertices))
 
-    @cached_property
+    @property
     def outward(self) -> Mesh:
         """The mesh, turned right side out where it is closed and inside out, as mirrored exports
         are: the same solid."""
+        return self._turned or self
+
+    @cached_property
+    def _turned(self) -> Mesh | None:
         if self.closed and mesh_solids.solid_moments(self.vertices, self.faces)[0] < 0.0:
             return Mesh(self.vertices, self.faces[:, ::-1])
-        return self
+        return None
 
     @cached_property
     def query(self) -> mesh_queries.MeshQuery:

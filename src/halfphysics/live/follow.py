@@ -107,7 +107,7 @@ class Follower:
     def _take(self, arrived: IncomingPose, gap: float, interval: float, age: float) -> None:
         before = self.pose
         goal = self._completed(arrived, gap)
-        passed = max(gap, self._dt)
+        passed = max(min(gap, HOLD_AFTER), self._dt)
         same = arrived.source == self._source  # clocks of two senders have nothing in common
         if same and arrived.time is not None and self._time is not None:
             # Poses that were held up on their way come together. Who was away longer than they

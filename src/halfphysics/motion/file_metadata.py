@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -58,4 +59,5 @@ class FileMetadata(ReadOnly):
         first = self.fields.get("first")
         if not isinstance(first, int):
             return self.fields
-        return {**self.fields, "first": round((first + start) / step)}
+        # Halves go up, all of them: people stay as far apart.
+        return {**self.fields, "first": math.floor((first + start) / step + 0.5)}

@@ -30,6 +30,7 @@ from halfphysics.results.inside import Breaches, Inside
 from halfphysics.results.naming import Naming
 from halfphysics.results.object_track import ObjectTrack as ObjectTrack
 from halfphysics.results.person_result import PersonResult as PersonResult
+from halfphysics.results.simulated_scene import SimulatedScene
 from halfphysics.results.soft_contacts import SoftContacts
 from halfphysics.results.substeps import Substeps
 from halfphysics.results.surroundings import Surroundings
@@ -111,7 +112,10 @@ class Result(InNotebook, ReadOnly):
         _set(self, "people", tuple(self.people))
         for index, person in enumerate(self.people):
             typed(f"people[{index}]", person, PersonResult)
-        typed_or_deferred("scene", vars(self)["_scene"], Scene)
+        scene = vars(self)["_scene"]
+        typed_or_deferred("scene", scene, Scene)
+        if isinstance(scene, Scene):  # its owner may go on building
+            _set(self, "scene", SimulatedScene(scene, scene._copied()))
         typed("contacts", self.contacts, Contacts)
         typed("inside", self.inside, Inside)
         typed("breaches", self.breaches, Breaches)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from halfphysics.base.short_repr import short_repr
@@ -26,8 +27,14 @@ class SimulatedScene:
     __repr__ = short_repr
 
     def make(self) -> Scene:
-        """The scene that was given, or the copy where that is another one by now."""
-        return self.scene if _same(self.scene, self.made_of) else self.made_of
+        """The scene that was given, or another of what was simulated where that has changed."""
+        known = (self.scene, self._again)
+        same = (one for one in known if _same(one, self.made_of))
+        return next(same, None) or self.made_of._copied()
+
+    @cached_property
+    def _again(self) -> Scene:
+        return self.made_of._copied()
 
 
 def _same(a: Scene, b: Scene) -> bool:

@@ -123,8 +123,8 @@ def _model(what: str, source: Any) -> tuple[CompiledModel, dict[str, Any]]:
 def _of_spec(what: str, spec: Any) -> tuple[CompiledModel, dict[str, Any]]:
     """Of a model that the caller made in this process.
 
-    The model is that of its text, which is what is saved and has six digits; unless its meshes are
-    in memory alone. The folders of those that it names are absolute there.
+    The model is that of its text, which is what is saved and has six digits; unless files that it
+    names are in memory alone. The folders of the others are absolute there.
     """
     import mujoco
 
@@ -134,7 +134,7 @@ def _of_spec(what: str, spec: Any) -> tuple[CompiledModel, dict[str, Any]]:
             for key in ("meshdir", "texturedir"):
                 setattr(spec, key, str((Path(spec.modelfiledir) / getattr(spec, key)).resolve()))
             text = spec.to_xml()
-        with contextlib.suppress(ValueError, RuntimeError):
+        if not spec.assets:
             whole = of_spec(mujoco.MjSpec.from_string(text))
         return whole, {"xml": text}
     except (ValueError, RuntimeError) as error:
@@ -202,14 +202,26 @@ def _files_of(root: Any) -> list[str]:
 
 
 def lost_files(xml: str) -> list[str]:
-    """Meshes and textures that a model's text names and that are nowhere; none of what is no
-    text of a model."""
+    """Meshes and textures that MJCF text names and that are nowhere; none of what is no MJCF.
+
+    Of URDF not all that is named is read: what is for looks and for plugins may be missing.
+    """
     try:
         root = _checked_xml("model", xml, None)
     except InputError:
         return []
-    found = {path.name for path in _named_files(root, Path()) if path.is_file()}
-    return sorted({name for name in _files_of(root) if Path(name).name not in found})
+    if root.tag != "mujoco":
+        return []
+    found = {path.name for path in _named_files(root, Path()) if _is_file(path)}
+    names = {name for assets in root.iter("asset") for name in _files_of(assets)}
+    return sorted(name for name in names if Path(name).name not in found)
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # a name that no file has
+        return False
 
 
 def _asset_bytes(paths: Iterable[Path]) -> int:

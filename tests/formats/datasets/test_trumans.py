@@ -74,12 +74,15 @@ def test_a_clip_is_read_and_written(tmp_path):
         assert np.abs(again[key] - value).max(initial=0.0) < ROUNDING, key
 
 
-def test_one_expression_is_that_of_every_frame(tmp_path):
-    content = {**fields(), "expression": np.arange(10.0)[None]}
+@pytest.mark.parametrize("shape", [(1, 10), (10,), (1, 12), (12,)])
+def test_one_expression_is_that_of_every_frame(tmp_path, shape):
+    """Of as many numbers as there are frames, too."""
+    expression = np.arange(float(np.prod(shape)))
+    content = {**fields(), "expression": expression.reshape(shape)}
     motion = hp.Motion.load(pickled(tmp_path / "a.pkl", content), hands="flat", frames=(2, 10))
     motion.resample(60.0).save(tmp_path / "b.pkl")
     again = pickle.loads((tmp_path / "b.pkl").read_bytes())["expression"]
-    assert np.array_equal(again, np.tile(np.arange(10.0), (15, 1)))
+    assert np.array_equal(again, np.tile(expression, (15, 1)))
 
 
 def test_expressions_of_other_frames_are_not_kept(tmp_path):

@@ -114,7 +114,7 @@ def _result(
         settings=settings,
         substeps=_substeps(engine, motions, qpos, substeps, mocap) if every else None,
     )
-    return replace(result, scene=scene, clearance=clearances(result)[0].min(axis=(0, 2)))
+    return replace(result, clearance=clearances(result)[0].min(axis=(0, 2)))
 
 
 def _check_stable(data: Any, settings: Settings, t: int, dt: float) -> None:

@@ -105,18 +105,18 @@ def _reaches(place: Endpoint, other: Endpoint) -> bool:
 
 
 def _is_own(host: str) -> bool:
-    """Whether an address is one of this machine's: only to those can a socket be bound."""
+    """Whether an address is one of this machine's: what is sent to it comes from it, too."""
     if is_loopback(host):
         return True
-    if not _is_address(host) or ipaddress.ip_address(host).is_multicast:
+    if not _is_address(host):
         return False
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     try:
         with socket.socket(family, socket.SOCK_DGRAM) as trial:
-            trial.bind((host, 0))
+            trial.connect((host, 9))  # of UDP: nothing is sent
+            return _plain(trial.getsockname()[0]) == _plain(host)
     except OSError:
         return False
-    return True
 
 
 def _addresses(host: str) -> set[str]:

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from evidence.model import Outcome, Task, plain
+from evidence.rooms.verify import library
 from halfphysics.base import code_hash
 from halfphysics.base.atomic import atomic_write
 from halfphysics.base.digests import sha256_of
@@ -103,8 +104,9 @@ def identity(task: Task) -> dict[str, Any]:
 
 @cache
 def program() -> str:
-    """SHA-256 of the code that computes outcomes: of the evidence and of halfphysics."""
-    digest = hashlib.sha256(code_hash.code_hash().encode())
+    """SHA-256 of the code that computes outcomes: of the evidence, of halfphysics, and the library
+    that verifies them, if it is there."""
+    digest = hashlib.sha256(f"{code_hash.code_hash()} {library()}".encode())
     folder = Path(__file__).parent
     for path in sorted(folder.rglob("*.py")):
         digest.update(f"{path.relative_to(folder).as_posix()} {sha256_of(path)}\n".encode())

@@ -48,9 +48,9 @@ class Cdr:
 
     def header(self, seconds, frame):
         """std_msgs/Header."""
-        whole = int(seconds)
+        whole, rest = divmod(round(seconds * 1e9), 10**9)
         self.put("i", whole)
-        self.put("I", round((seconds - whole) * 1e9))
+        self.put("I", rest)
         self.text(frame)
 
     def bytes(self):

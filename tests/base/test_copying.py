@@ -14,6 +14,7 @@ import pytest
 import halfphysics as hp
 from halfphysics.base.copying import Bound, FrozenMapping
 from halfphysics.labels import contact_labels
+from halfphysics.results.simulated_scene import SimulatedScene
 from halfphysics.support import Support
 from support import small_results as small
 
@@ -143,7 +144,8 @@ def test_the_default_body_is_one_object_in_every_process():
 def test_a_result_from_a_file_stays_unloaded():
     """What is loaded on first access is loaded by who needs it."""
     record = vars(METHODS["pickle"](small.alone()))["_scene"]
-    assert isinstance(record, hp.Scene)
+    assert isinstance(record, SimulatedScene)
+    assert isinstance(record.make(), hp.Scene)
 
 
 def test_a_copied_result_answers(tmp_path):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import runpy
+import struct
 from pathlib import Path
 
 import numpy as np
@@ -120,6 +121,15 @@ def test_ros2_messages(tmp_path):
     assert again == markers
     result.save(tmp_path / "result.npz")
     assert names["main"](tmp_path / "result.npz", tmp_path / "ros2") == 3 * len(result.motion)
+
+
+@pytest.mark.parametrize("seconds", [0.0, 7 / 30, 1000.9999999999999, 2.0**31 - 1.5])
+def test_ros2_times_have_less_than_a_second_of_nanoseconds(seconds):
+    cdr = example("09_ros2_messages.py")["Cdr"]()
+    cdr.header(seconds, "world")
+    whole, rest = struct.unpack_from("<iI", cdr.bytes(), 4)
+    assert rest < 10**9
+    assert whole + 1e-9 * rest == pytest.approx(seconds, abs=1e-6)
 
 
 def test_people_who_react(capsys):

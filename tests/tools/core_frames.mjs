@@ -7,7 +7,7 @@ import { pathToFileURL } from "node:url";
 
 const [folder, worldFile, posesFile, out] = process.argv.slice(2);
 const { HalfPhysics, HalfPhysicsError } = await import(pathToFileURL(`${folder}/halfphysics.js`));
-const core = await HalfPhysics.load(readFileSync(`${folder}/halfphysics.wasm`));
+const core = await HalfPhysics.load(pathToFileURL(`${folder}/halfphysics.wasm`));
 const world = core.world(readFileSync(worldFile));
 const file = readFileSync(posesFile);
 const [fps, ...numbers] = new Float64Array(file.buffer, file.byteOffset, file.length / 8);

@@ -178,6 +178,15 @@ def test_motions_and_sequences(tmp_path):
     assert far(data, model.body("ball").id, scene.objects["ball"].position, [1, 0, 0, 0]) < SAME
 
 
+def test_names_of_pieces_are_nobody_else_s(tmp_path):
+    scene = hp.Scene()
+    mesh = hp.Mesh(*hp.Box((0.2, 0.2, 0.2)).triangles())
+    scene.add_object("ball", mesh, mass=1.0, position=(0.0, 2.0, 0.2))
+    scene.add_static("ball#0", mesh, position=(0.0, 3.0, 0.2))
+    hp.export(Sequence(hp.Motion(*movement(5), 30.0), scene), tmp_path / "a.xml")
+    mujoco.MjModel.from_xml_path(str(tmp_path / "a.xml"))
+
+
 def test_what_cannot_be_written(tmp_path):
     motion = hp.Motion(*movement(), 30.0)
     with pytest.raises(FileError, match="does not exist"):

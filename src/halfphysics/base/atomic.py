@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import hashlib
 import os
 import re
 import secrets
@@ -88,8 +89,16 @@ def _made(path: Path) -> Path:
 
 
 def _writer() -> str:
-    """Names this process in the names of its files: machine and number."""
-    machine = re.sub(r"[^A-Za-z0-9]", "", socket.gethostname())[:32] or "machine"
+    """Names this process in the names of its files: machine and number.
+
+    Of a container, too: processes of another one, or from before the machine started again, have
+    numbers of their own.
+    """
+    whose = [socket.gethostname()]
+    with contextlib.suppress(OSError):  # Linux
+        whose.append(Path("/proc/sys/kernel/random/boot_id").read_text())
+        whose.append(os.readlink("/proc/self/ns/pid"))
+    machine = hashlib.sha256(" ".join(whose).encode()).hexdigest()[:16]
     return f"{machine}-{os.getpid()}"
 
 

@@ -23,6 +23,10 @@ FREE_OPERATIONS, OPERATIONS_PER_BYTE = 2_000_000, 0.25
 #: Keys whose hashes a file can choose (large numbers, fractions, tuples) are compared pair by pair
 #: where they are equal: a second for so many, of so many parts.
 MOST_CHOSEN_KEYS, MOST_PARTS = 4_000, 16
+#: Calls that make an object of each letter, byte or row of their argument: bytes of one, and of its
+#: place. Letters beyond Latin-1 are made each time; rows of arrays are arrays.
+_TAKEN_APART = (list, tuple, set, frozenset)
+_EACH = {str: 96, bytes: 8, bytearray: 8, np.ndarray: 128}
 #: Hashes of whole numbers below are the numbers themselves.
 _OWN_HASH = 2**61 - 1
 
@@ -53,6 +57,8 @@ class Budget:
     def call(self, function: Any, arguments: Any) -> None:
         """Count a call before it is made."""
         for argument in arguments:
+            if function in _TAKEN_APART:
+                self.spend(_apart(argument))
             if isinstance(argument, (str, bytes, bytearray)):
                 self.spend(len(argument))
             elif isinstance(argument, np.ndarray):
@@ -82,6 +88,13 @@ class Budget:
                     parts += list(part)[: MOST_PARTS + 1]
 
 
+def _apart(argument: Any) -> int:
+    """Bytes of the objects that a call makes of each letter, byte or row of its argument."""
+    each = next((size for kind, size in _EACH.items() if isinstance(argument, kind)), 0)
+    whole = isinstance(argument, np.ndarray) and argument.ndim == 0  # cannot be taken apart
+    return 0 if whole or not each else each * len(argument)
+
+
 def _names(pairs: Any) -> Any:
     """The keys in the argument of `dict`: another dict, or pairs."""
     if isinstance(pairs, dict):
@@ -95,6 +108,11 @@ def _names(pairs: Any) -> Any:
 
 
 _current: ContextVar[Budget | None] = ContextVar("budget", default=None)
+
+
+def current() -> Budget | None:
+    """The budget of the file that is being read; None: none is."""
+    return _current.get()
 
 
 @contextmanager

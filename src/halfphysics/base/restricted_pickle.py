@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from halfphysics.base.pickle_budget import Budget, TooCostly, check_unfolded, counted
+from halfphysics.base.pickle_budget import Budget, TooCostly, check_unfolded, counted, current
 from halfphysics.base.pickle_placeholders import (
     MAX_BYTES,
     InLineArray,
@@ -245,8 +245,10 @@ def load_from(
 ) -> Any:
     """The data of the next pickle in a stream, which is left right behind it; as `loads`.
 
-    `budget`: what it may cost; None: what a file of the stream's size may.
+    `budget`: what it may cost; None: within another pickle what is left of that one's, else what a
+    file of the stream's size may.
     """
+    budget = budget or current()
     if budget is None:
         size = stream.getbuffer().nbytes
         budget = Budget(size, size)

@@ -138,7 +138,7 @@ def _object(world: Element, geoms: Geoms, name: str, item: Object) -> None:
         _inertial(body, item.mass, item.com, *principal(item.inertia))
     seen = item.visual is not None
     for i, piece in enumerate(item.pieces):
-        geoms.solid(body, f"{name}#{i}", piece, item.friction, hidden=seen, convex=True)
+        geoms.solid(body, f"{name}/#{i}", piece, item.friction, hidden=seen, convex=True)
     if item.visual is not None:
         geoms.drawn(body, name, item.visual)
 
@@ -171,7 +171,7 @@ def _articulated(world: Element, geoms: Geoms, item: Articulated) -> None:
 def _link_geoms(body: Element, geoms: Geoms, name: str, link: Link, friction: float) -> None:
     for i, geom in enumerate(link.geoms):
         place = geom.position, geom.quaternion
-        geoms.solid(body, f"{name}#{i}", geom.shape, friction, *place, convex=True)
+        geoms.solid(body, f"{name}/#{i}", geom.shape, friction, *place, convex=True)
 
 
 def _is_recorded(take: Take, item: Articulated) -> bool:

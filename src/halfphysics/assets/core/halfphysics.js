@@ -42,7 +42,10 @@ function surroundings(module, memory) {
 
 async function compiled(source) {
   if (source instanceof WebAssembly.Module) return source;
-  if (typeof source === "string" || source instanceof URL) source = await fetch(source);
+  if (typeof source === "string" || source instanceof URL) {
+    const file = typeof process === "object" && `${source}`.startsWith("file:");  // node fetches no files
+    source = file ? await (await import("node:fs/promises")).readFile(new URL(source)) : await fetch(source);
+  }
   if (typeof Response !== "undefined" && source instanceof Response) source = await source.arrayBuffer();
   return WebAssembly.compile(source);
 }

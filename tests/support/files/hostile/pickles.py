@@ -133,6 +133,13 @@ _pickled(
     + (_get(8001) + b"(" + _get(8000) + _get(8002) + b"J\x00\x00\x10\x00U\x01CtR") * 100_000
     + b"e.",
 )  # fmt: skip
+#: A text of letters that are no Latin, taken apart again and again: each letter is an object.
+_pickled(
+    "motion",
+    "letters_taken_apart",
+    text("\u2603" * 100_000) + _put(8000) + b"0cbuiltins\nlist\n" + _put(8001) + b"0]("
+    + (_get(8001) + _get(8000) + b"\x85R") * 400 + b"e.",
+)  # fmt: skip
 #: Named so often that each naming costs a class.
 _pickled("motion", "names_of_chumpy", b"](" + b"cchumpy.ch\nCh\n)\x81" * 100_000 + b"e.")
 _pickled(

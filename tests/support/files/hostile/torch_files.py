@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import pickle
+import struct
 import zipfile
 from pathlib import Path
 
 import numpy as np
 
+from halfphysics.base.torch_file import OLD_MAGIC
 from support.files.dumps import Tensor, torch_saved
-from support.files.hostile.attacks import attack
+from support.files.hostile.attacks import attack, written
 
 
 def _torch(folder: Path, data, storages, kind=zipfile.ZIP_DEFLATED) -> Path:
@@ -51,3 +54,15 @@ def torch_sizes_that_lie(folder: Path) -> Path:
 def torch_dimensions_by_the_thousand(folder: Path) -> Path:
     tensor = Tensor("0", "FloatStorage", 64, (1,) * 5000, (1,) * 5000)
     return _torch(folder, {"poses": tensor}, {"0": np.zeros(64, "f4")}, zipfile.ZIP_STORED)
+
+
+@attack("motion")
+def torch_storages_that_are_files_of_their_own(folder: Path) -> Path:
+    """400 times the same bytes, each a file of a matrix of 32 MB of which nothing is stored."""
+    import scipy.sparse as sp
+
+    parts = (OLD_MAGIC, 1001, {}, sp.csc_matrix((2000, 2000)), [])
+    inner = b"".join(pickle.dumps(part, 2) for part in parts)
+    each = b"ctorch.storage\n_load_from_bytes\nh\x00\x85R"
+    head = b"\x80\x03B" + struct.pack("<I", len(inner)) + inner + b"q\x000]("
+    return written(folder / "a.pkl", head + 400 * each + b"e.")

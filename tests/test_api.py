@@ -61,7 +61,7 @@ PARAMETERS = {
     "Scene.add_moving": "self name shape positions quaternions * fps friction restitution loop "
     "scale up soft",
     "Scene.add_articulated": "self name source * position quaternion friction restitution joints "
-    "velocities",
+    "velocities mass",
     "Scene.ray": "self origin direction * ignore",
     "serve": "scene * body start settings fps host port token origins record listen forward",
     "connect": "url * token",

@@ -38,6 +38,10 @@ constexpr double kFrameRounding = 1e-9;
 // 180, where there is no twist, its rate grows without bound.
 constexpr double kLeastTwistShare = 0.2;
 
+// Ancestors of all degrees of freedom together, of which there is a list: 64 MiB. A person has
+// some 4,000; of a stranger's chain of thousands of links it would fill the memory.
+constexpr size_t kMostAncestors = size_t{1} << 24;
+
 }  // namespace hp::tuning::dynamics
 
 // ---------------------------------------------------------------------------------------------

@@ -27,6 +27,14 @@ void check_sizes(const Model& m) {
        "model: an array has not one row per joint");
 }
 
+// The first joint and dof of a body that has none: MuJoCo writes -1.
+void check_nothing(const Model& m, int body) {
+  need(m.jnt_count[body] > 0 || (m.jnt_first[body] >= -1 && m.jnt_first[body] <= m.njnt),
+       "model: joints are out of order");
+  need(m.dof_count[body] > 0 || (m.dof_first[body] >= -1 && m.dof_first[body] <= m.nv),
+       "model: dofs are out of order");
+}
+
 // The joints of a body, which begin with the coordinate and dof that come next.
 void check_joints(const Model& m, int body, int& joint, int& qpos, int& dof) {
   need(m.jnt_count[body] >= 0 && m.dof_count[body] >= 0 && m.jnt_count[body] <= m.njnt - joint,
@@ -55,6 +63,7 @@ void check_model(const Model& m) {
   check_sizes(m);
   need(m.nbody >= 1 && m.jnt_count[0] == 0 && m.dof_count[0] == 0, "model: the world moves");
   int joint = 0, qpos = 0, dof = 0;
+  for (int b = 0; b < m.nbody; b++) check_nothing(m, b);
   for (int b = 1; b < m.nbody; b++) {
     need(m.parent[b] >= 0 && m.parent[b] < b, "model: parents must precede their children");
     check_joints(m, b, joint, qpos, dof);

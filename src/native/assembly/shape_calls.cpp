@@ -19,9 +19,11 @@ void add_skin_shapes(Stepper& s, const SkinShapes& person_shapes, int person, In
   const Model& m = s.system.model;
   const Skin& skin = *person_shapes.skin;
   need(names.shape(0) == person_shapes.shapes.size(), "add_skin_shapes: one name per shape");
-  for (size_t j = 0; j < skin.body.size(); j++)
+  for (size_t j = 0; j < skin.body.size(); j++) {
     need(skin.body[j] > 0 && skin.body[j] < m.nbody && m.dof_first[skin.body[j]] == skin.dof[j],
          "add_skin_shapes: the skin is of other bodies");
+    need(j == 0 || m.dof_count[skin.body[j]] == 3, "add_skin_shapes: a joint that is no ball");
+  }
   s.system.skins.push_back(person_shapes.skin);
   for (size_t i = 0; i < person_shapes.shapes.size(); i++) {
     CollisionShape v = person_shapes.shapes[i];

@@ -19,6 +19,11 @@ std::shared_ptr<const Skin> make_skin(Ints body, Ints dof, Ints parent, Rows3 jo
   need(skin->first_weight[0] == 0, "SkinShapes: weights are out of order");
   for (size_t v = 0; v < n; v++)
     need(skin->first_weight[v] < skin->first_weight[v + 1], "SkinShapes: a vertex without weights");
+  for (size_t v = 0; v < n; v++) {
+    double sum = 0;
+    for (int k = skin->first_weight[v]; k < skin->first_weight[v + 1]; k++) sum += skin->weight[k];
+    need(sum > 0, "SkinShapes: a vertex whose weights are 0");
+  }
   for (size_t j = 0; j < joints; j++)
     need(skin->parent[j] >= -1 && skin->parent[j] < (int)j && (j == 0 || skin->parent[j] >= 0),
          "SkinShapes: parents must precede their children");

@@ -25,6 +25,7 @@ struct Job {
   double start_clearance = 0;
   Recording recording;
   std::exception_ptr error;
+  bool ended = false;
 
   void run(const std::atomic<bool>& stopped) {
     Stepper& s = *stepper;
@@ -85,7 +86,7 @@ class Batch {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       auto found = jobs_.find(key);
-      need(found != jobs_.end(), "take: no such job");
+      need(found != jobs_.end() && found->second->ended, "take: no such job, or it goes on");
       job = std::move(found->second);
       jobs_.erase(found);
     }
@@ -129,6 +130,7 @@ class Batch {
         job->error = std::current_exception();
       }
       const std::lock_guard<std::mutex> lock(mutex_);
+      job->ended = true;
       ended_.push_back(key);
       done_.notify_one();
     }

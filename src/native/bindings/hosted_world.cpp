@@ -166,7 +166,13 @@ std::vector<std::string> run_worlds(const std::vector<HostedWorld*>& worlds, int
   nb::gil_scoped_release release;
   std::atomic<size_t> next{0};
   auto work = [&] {
-    for (size_t i; (i = next++) < worlds.size();) worlds[i]->run();
+    for (size_t i; (i = next++) < worlds.size();) {
+      try {
+        worlds[i]->run();
+      } catch (const std::exception& error) {  // none may leave a thread
+        worlds[i]->error = error.what();
+      }
+    }
   };
   std::vector<std::thread> pool;
   try {

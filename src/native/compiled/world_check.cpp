@@ -84,7 +84,7 @@ void check_items(const CompiledWorld& world) {
     expect(l.body > 0 && below(l.body, m.nbody) && labels.find(l.name) >= 0, "a link of no body");
   for (const JointPlace& j : labels.joints)
     expect(
-        (j.width == 1 || j.width == 4 || j.width == 7) && j.qpos >= 0 && j.qpos + j.width <= m.nq,
+        (j.width == 1 || j.width == 4 || j.width == 7) && j.qpos >= 0 && j.qpos <= m.nq - j.width,
         "a joint without coordinates");
 }
 

@@ -63,6 +63,7 @@ Argument argument(Cursor& in) {
     out.shape[i] = length;
   }
   const size_t width = type == 1 ? 4 : type == 2 ? 8 : 1;
+  if (count * width > in.left()) broken("it ends too early");  // before it is a size_t of 32 bits
   out.data = in.take((count * width + 7) / 8 * 8);
   return out;
 }

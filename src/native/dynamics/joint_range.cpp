@@ -34,8 +34,9 @@ struct SwingTwist {
 void JointRange::finish() {
   for (int i = 0; i < 3; i++) {
     const Vec3 &x = axis[i], &y = axis[(i + 1) % 3], &z = axis[(i + 2) % 3];
-    if (norm(cross(x, y) - z) > tune::kFrameRounding ||
-        std::fabs(norm(x) - 1) > tune::kFrameRounding)
+    // What is no number is no frame either.
+    if (!(norm(cross(x, y) - z) <= tune::kFrameRounding &&
+          std::fabs(norm(x) - 1) <= tune::kFrameRounding))
       throw std::invalid_argument("a joint's axes must be orthonormal and right-handed");
     if (!(lower[i] <= 0 && upper[i] >= 0 && lower[i] >= -M_PI && upper[i] <= M_PI))
       throw std::invalid_argument("a joint's range must be within [-pi, pi] and hold 0");

@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#include "tuning.h"
+
 namespace hp {
 
 void Model::finish() {
@@ -38,6 +40,8 @@ void Model::finish() {
   chain.clear();
   for (int i = 0; i < nv; i++) {
     int b = dof_body[i], up = i > dof_first[b] ? i - 1 : last_dof[parent[b]];
+    if (chain.size() + (up >= 0 ? row_size[up] : 0) > tuning::dynamics::kMostAncestors)
+      throw std::invalid_argument("model: chains of joints are too deep");
     row_start[i] = (int)chain.size();
     if (up >= 0) {
       for (int k = 0; k < row_size[up]; k++) {

@@ -3,6 +3,7 @@
 #include "tuning.h"
 
 #include <atomic>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -23,7 +24,10 @@ void in_blocks(size_t n, int threads, const Work& work) {
   };
   const size_t helpers = std::min<size_t>(std::max(threads, 1) - 1, n / tune::kPointBlock);
   std::vector<std::thread> pool;
-  for (size_t k = 0; k < helpers; ++k) pool.emplace_back(run);
+  try {
+    for (size_t k = 0; k < helpers; ++k) pool.emplace_back(run);
+  } catch (const std::system_error&) {  // NOLINT(bugprone-empty-catch): fewer threads do it
+  }
   run();
   for (std::thread& t : pool) t.join();
 }
@@ -71,7 +75,7 @@ void closest_points(const Tree& tree, const double* p, size_t n, int threads, do
     for (size_t i = begin; i < end; ++i) {
       Vec q{};
       guess = tree.closest({p[3 * i], p[3 * i + 1], p[3 * i + 2]}, guess, q, distance[i]);
-      face[i] = tree.face(guess);
+      face[i] = guess < 0 ? -1 : tree.face(guess);  // of no point there is none
       closest[3 * i] = q.x;
       closest[3 * i + 1] = q.y;
       closest[3 * i + 2] = q.z;

@@ -1,6 +1,7 @@
 #include "render/picture.h"
 
 #include <atomic>
+#include <system_error>
 #include <thread>
 
 #include "render/projection.h"
@@ -15,7 +16,10 @@ void over_tiles(int tiles, int threads, Work work) {
   std::atomic<int> next{0};
   const auto loop = [&] { work(next); };
   std::vector<std::thread> pool;
-  for (int k = 1; k < std::min(threads, tiles); ++k) pool.emplace_back(loop);
+  try {
+    for (int k = 1; k < std::min(threads, tiles); ++k) pool.emplace_back(loop);
+  } catch (const std::system_error&) {  // NOLINT(bugprone-empty-catch): fewer threads do it
+  }
   loop();
   for (auto& t : pool) t.join();
 }

@@ -1,5 +1,6 @@
 #include "stepping/kinematic_bodies.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "tuning.h"
@@ -11,7 +12,7 @@ namespace tune = tuning::stepping;
 void Trajectory::at(double time, Vec3& p, Quat& q) const {
   const int n = (int)position.size();
   double frame = time * fps;
-  if (loop) frame -= n * std::floor(frame / n);
+  if (loop) frame = std::max(frame - n * std::floor(frame / n), 0.0);  // rounding of a long time
   // A time that is a rounding away from a pose is at it.
   if (std::fabs(frame - std::round(frame)) < 1e-9) frame = std::round(frame);
   int i = (int)std::floor(frame), j = i + 1;

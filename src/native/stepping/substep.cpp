@@ -151,7 +151,8 @@ int Substep::parts(double h) const {
     if (world.active[b])
       fastest = std::max(fastest, norm(load3(&qvel[system_.model.dof_first[b] + 3])));
   if (fastest * h <= tune::kMostTurn) return 1;
-  return std::min(tune::kMostTurnParts, (int)std::ceil(4 * fastest * h / tune::kMostTurn));
+  const double parts = std::ceil(4 * fastest * h / tune::kMostTurn);
+  return (int)std::min<double>(tune::kMostTurnParts, parts);  // before it is an int: it may be huge
 }
 
 }  // namespace hp

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 
 import halfphysics as hp
 from halfphysics import _native
+from support.doors import DOOR
 from support.fuzzing import drawn
 
 HEADER = 32
@@ -156,3 +157,53 @@ def test_calls_in_another_order_missing_or_twice(files):
 def test_what_is_wrong_is_said(data, says):
     with pytest.raises(ValueError, match=says):
         _native.run_world(data, 1)
+
+
+def written(data, call, argument, index, value):
+    """A file with another whole number in the first call of a name."""
+    body, count = bytearray(data[HEADER:]), struct.unpack("<I", data[24:28])[0]
+    at = body.index(call.encode() + b"\0")
+    at = body.index(argument.encode().ljust(24, b"\0"), at) + 56 + 4 * index
+    struct.pack_into("<i", body, at, value)
+    return sealed(bytes(body), count)
+
+
+@pytest.fixture(scope="module")
+def door():
+    """A world file of a door, which has a joint and a link that no joint moves."""
+    scene = hp.Scene()
+    scene.add_articulated("door", DOOR)
+    return hp.compile_world(scene, body=[])
+
+
+def test_coordinates_of_joints_are_those_of_the_model(door):
+    """A sum of them beyond the whole numbers was taken for a small one."""
+    assert tried(written(door, "label_joint", "qpos", 0, 0))
+    for qpos in (-1, 1, 2**31 - 1, 2**31 - 7):
+        assert not tried(written(door, "label_joint", "qpos", 0, qpos)), qpos
+
+
+def test_first_joints_and_dofs_of_bodies_without_any_are_near(door):
+    """The factor of the inertia walks from them."""
+    for argument in ("jnt_first", "dof_first"):
+        assert tried(written(door, "set_model", argument, 0, -1)), argument
+        for value in (-(2**31), -2, 100, 2**31 - 1):
+            assert not tried(written(door, "set_model", argument, 0, value)), (argument, value)
+
+
+@pytest.mark.parametrize("weights", [0.0, -1.0, np.nan])
+def test_skin_needs_weights(weights):
+    def of(weight):
+        return _native.SkinShapes(
+            body=whole(1), dof=whole(0), parent=whole(-1), joint=np.zeros((1, 3)),
+            rest=np.vstack([np.zeros(3), np.eye(3)]), first=whole(0, 1, 2, 3, 4),
+            at=whole(0, 0, 0, 0), weight=weight, bend=np.zeros((0, 3, 0)), part=whole(0),
+            start=whole(0, 4), vertex=whole(0, 1, 2, 3),
+        )  # fmt: skip
+
+    def whole(*numbers):
+        return np.array(numbers, np.int32)
+
+    of(np.ones(4))
+    with pytest.raises(ValueError, match="weights are 0"):
+        of(np.array([1.0, 1.0, 1.0, weights]))

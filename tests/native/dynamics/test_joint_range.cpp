@@ -2,6 +2,7 @@
 #include "dynamics/joint_range.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <stdexcept>
 
@@ -89,16 +90,22 @@ void clamping_goes_no_farther_than_the_range_or_what_is_asked() {
   CHECK(beyond > 300);
 }
 
-void bad_axes_are_refused() {
-  hp::JointRange r = range();
-  r.axis[1] = -r.axis[1];
-  bool refused = false;
+bool refused(hp::JointRange r) {
   try {
     r.finish();
   } catch (const std::invalid_argument&) {
-    refused = true;
+    return true;
   }
-  CHECK(refused);
+  return false;
+}
+
+void bad_axes_are_refused() {
+  hp::JointRange mirrored = range(), none = range();
+  mirrored.axis[1] = -mirrored.axis[1];
+  none.axis[1].x = std::nan("");
+  CHECK(!refused(range()));
+  CHECK(refused(mirrored));
+  CHECK(refused(none));
 }
 
 }  // namespace

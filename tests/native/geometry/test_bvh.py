@@ -113,3 +113,9 @@ def test_a_triangle_that_is_met_is_nearer_than_any_range(share):
         nearer, dist = _native.triangle_nearest(vertices, faces, ball(), 0.0, NO_DISC, reach)
         assert nearer
         assert dist < 0.0
+
+
+def test_of_a_point_that_is_none_there_is_no_face():
+    tree = _native.TriangleTree(np.eye(3), np.array([[0, 1, 2]], np.int32))
+    _, face, _ = tree.distance(np.array([[np.nan, 0.0, 0.0], [1.0, 0.0, 0.0]]))
+    assert face.tolist() == [-1, 0]

@@ -53,7 +53,7 @@ class SceneRecord:
 
     def missing(self) -> dict[str, str]:
         """Items that cannot be loaded: name -> reason."""
-        from halfphysics.scene.mjcf_import import lost_files
+        from halfphysics.scene.mjcf_text import lost_files
 
         lost = {}
         for group in ("statics", "objects", "moving"):

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import os
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -17,30 +16,30 @@ from halfphysics.base import rotations as rot
 from halfphysics.base.validation import file_bytes, file_path, number, quaternion, shown, vector
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
 from halfphysics.geometry.mesh import Mesh, MeshSource
-from halfphysics.geometry.mesh_queries import components
 from halfphysics.geometry.shape_base import Shape
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Sphere
 from halfphysics.scene.articulated import SIZES, Articulated, Link, LinkGeom, LinkJoint
 from halfphysics.scene.mjcf_process import CompiledModel, compiled, of_spec
+from halfphysics.scene.mjcf_text import (
+    SOURCES,
+    asset_bytes,
+    check_files,
+    checked_xml,
+    files_of,
+    named_files,
+)
 from halfphysics.scene.package_paths import package_files
 
 #: Name of the link for geoms that belong to no body.
 WORLD = "world"
 _KINDS = ("free", "ball", "slide", "hinge")
-_SOURCES = "the path of a .xml or .urdf file, MJCF or URDF text, or a mujoco.MjSpec"
 _ELLIPSOID_POINTS = 300
-_MOST_INCLUDES = 100
-#: Links of one object, and bytes of its file: the largest humanoids have a hundred links.
-_MOST_LINKS, _MOST_BYTES = 500, 2**26
+#: Bytes of the file of an object.
+_MOST_BYTES = 2**26
 #: Gravity of files that say none [m/s^2]; what is about the same is meant to be the same.
 _GRAVITY, _ABOUT = (0.0, 0.0, -9.81), 0.02
-#: Attributes that name files, and the folders in which they are.
-_FILE_KEYS = (
-    "file", "filename", "fileright", "fileleft", "fileup", "filedown", "filefront", "fileback",
-)  # fmt: skip
 #: What may stand before the first element of a text: spaces, and the mark of its encoding.
 _BEFORE = " \t\r\n\ufeff"
-_DIRS = ("meshdir", "texturedir", "assetdir")
 
 
 def load_articulated(
@@ -81,23 +80,23 @@ def _model(what: str, source: Any) -> tuple[CompiledModel, dict[str, Any]]:
     try:
         text = source.decode() if isinstance(source, bytes) else source
     except UnicodeDecodeError:
-        raise InputError(f"{what}: found bytes that are no text, expected {_SOURCES}") from None
+        raise InputError(f"{what}: found bytes that are no text, expected {SOURCES}") from None
     if isinstance(text, str) and text.lstrip(_BEFORE).startswith("<"):
         text = text.lstrip(_BEFORE)
-        root = _checked_xml(what, text, None)
+        root = checked_xml(what, text, None)
         if root.tag == "robot":
             package_files(what, root, None)
         model = compiled(
             what,
             {"xml": text, "urdf": root.tag == "robot"},
-            reads_files=bool(_named_files(root, Path())),
+            reads_files=bool(named_files(root, Path())),
         )
         return model, {"xml": text}
     if not isinstance(text, str | os.PathLike):
-        raise InputError(f"{what}: found {shown(source)} as source, expected {_SOURCES}")
+        raise InputError(f"{what}: found {shown(source)} as source, expected {SOURCES}")
     path = file_path(text)
     if not path.is_file():
-        raise FileError(f"{what}: {shown(str(path))}: there is no such file, expected {_SOURCES}")
+        raise FileError(f"{what}: {shown(str(path))}: there is no such file, expected {SOURCES}")
     if path.stat().st_size > _MOST_BYTES:
         raise FileError(
             f"{what}: {path}: {path.stat().st_size / 2**20:.0f} MiB, expected at most "
@@ -105,16 +104,16 @@ def _model(what: str, source: Any) -> tuple[CompiledModel, dict[str, Any]]:
         )
     content = file_bytes(path)
     try:
-        root = _checked_xml(what, content.decode(), path)
+        root = checked_xml(what, content.decode(), path)
     except UnicodeDecodeError:
-        raise FileError(f"{what}: {path}: found no text, expected {_SOURCES}") from None
+        raise FileError(f"{what}: {path}: found no text, expected {SOURCES}") from None
     folder, urdf = path.resolve().parent, root.tag == "robot"
     packed = package_files(what, root, folder) if urdf else {}
-    _check_files(f"{what}: {path}", [Path(p) for p in packed.values()])
+    check_files(f"{what}: {path}", [Path(p) for p in packed.values()])
     model = compiled(
         what,
         {"path": str(path), "urdf": urdf, "files": dict(packed)},
-        assets=_asset_bytes([*_named_files(root, folder), *map(Path, packed.values())]),
+        assets=asset_bytes([*named_files(root, folder), *map(Path, packed.values())]),
     )
     digest = hashlib.sha256(content).hexdigest()
     return model, {"source": MeshSource(path=str(path.resolve()), sha256=digest)}
@@ -130,7 +129,7 @@ def _of_spec(what: str, spec: Any) -> tuple[CompiledModel, dict[str, Any]]:
 
     try:
         whole, text = of_spec(spec), spec.to_xml()
-        if any(_files_of(ElementTree.fromstring(text))):
+        if any(files_of(ElementTree.fromstring(text))):
             for key in ("meshdir", "texturedir"):
                 setattr(spec, key, str((Path(spec.modelfiledir) / getattr(spec, key)).resolve()))
             text = spec.to_xml()
@@ -143,169 +142,6 @@ def _of_spec(what: str, spec: Any) -> tuple[CompiledModel, dict[str, Any]]:
             f"{what}: MuJoCo cannot compile it: {reason}. Expected a model that MuJoCo itself "
             "loads, with its mesh files in their place and masses of all that moves"
         ) from None
-
-
-def _checked_xml(what: str, text: str, path: Path | None, folder: Path | None = None) -> Any:
-    """The root element; refuses other formats and paths that leave the file's folder."""
-    where = f"{what}: {path}" if path is not None else what
-    if "<!DOCTYPE" in text or "<!ENTITY" in text:
-        raise InputError(f"{where}: found XML entities, expected plain MJCF or URDF; remove them")
-    try:
-        root = ElementTree.fromstring(text)
-    except ElementTree.ParseError as error:
-        raise InputError(f"{where}: not XML ({error}), expected {_SOURCES}") from None
-    if folder is None and root.tag not in ("mujoco", "robot"):
-        raise InputError(f"{where}: found <{root.tag}>, expected <mujoco> (MJCF) or <robot> (URDF)")
-    base = folder if folder is not None else None if path is None else path.resolve().parent
-    _check_size(where, root)
-    _check_files(where, _named_files(root, base))
-    _check_includes(what, where, root, base, [])
-    if root.tag == "robot":
-        _check_expanded(where, root)
-        _check_masses(what, root)
-    return root
-
-
-def _check_size(where: str, root: Any) -> None:
-    links = sum(1 for element in root.iter() if element.tag in ("body", "link"))
-    if links > _MOST_LINKS:
-        raise InputError(
-            f"{where}: found {links} links, expected at most {_MOST_LINKS}. Split it into several "
-            "objects"
-        )
-
-
-def _check_files(where: str, paths: Iterable[Path]) -> None:
-    """Meshes and textures that it names are files: reading a pipe or a device never ends."""
-    for path in paths:
-        if _is_no_file(path):
-            raise InputError(
-                f"{where}: {path.name!r} is a pipe, a device or a folder, expected a file"
-            )
-
-
-def _named_files(root: Any, base: Path | None) -> list[Path]:
-    """Where the meshes and textures that a model names may be."""
-    if base is None:
-        return []
-    folders = [
-        base,
-        *(base / e.get(key) for e in root.iter("compiler") for key in _DIRS if key in e.attrib),
-    ]
-    names = _files_of(root)
-    return [folder / name for folder in folders for n in names for name in (n, Path(n).name)]
-
-
-def _files_of(root: Any) -> list[str]:
-    """The files that a model names, as it names them."""
-    return [e.get(key) for e in root.iter() for key in _FILE_KEYS if e.get(key)]
-
-
-def lost_files(xml: str) -> list[str]:
-    """Meshes and textures that MJCF text names and that are nowhere; none of what is no MJCF.
-
-    Of URDF not all that is named is read: what is for looks and for plugins may be missing.
-    """
-    try:
-        root = _checked_xml("model", xml, None)
-    except InputError:
-        return []
-    if root.tag != "mujoco":
-        return []
-    found = {path.name for path in _named_files(root, Path()) if _is_file(path)}
-    names = {name for assets in root.iter("asset") for name in _files_of(assets)}
-    return sorted(name for name in names if Path(name).name not in found)
-
-
-def _is_file(path: Path) -> bool:
-    try:
-        return path.is_file()
-    except (OSError, ValueError):  # a name that no file has
-        return False
-
-
-def _asset_bytes(paths: Iterable[Path]) -> int:
-    """Size of the meshes and textures that a model names [bytes]."""
-    total = 0
-    for path in set(paths):
-        with contextlib.suppress(OSError, ValueError):
-            total += path.stat().st_size
-    return total
-
-
-def _is_no_file(path: Path) -> bool:
-    try:
-        return path.exists() and not path.is_file()
-    except (OSError, ValueError):
-        return True
-
-
-def _check_includes(what: str, where: str, root: Any, base: Path | None, seen: list[Path]) -> None:
-    for element in root.iter("include"):
-        name = element.get("file", "")
-        if base is None:
-            raise InputError(
-                f"{where}: found an include of {name!r} in text that has no folder; give the path "
-                "of a file instead"
-            )
-        target = (base / name).resolve()
-        if not target.is_relative_to(base):
-            raise InputError(
-                f"{where}: the include {name!r} leaves the folder {base}; expected files within "
-                "it. Copy it there"
-            )
-        if not target.is_file():
-            raise FileError(f"{where}: the included file {target} is not there; put it back")
-        if target in seen or len(seen) > _MOST_INCLUDES:
-            continue
-        seen.append(target)
-        inner = file_bytes(target).decode("utf-8", errors="replace")
-        if "<!DOCTYPE" in inner or "<!ENTITY" in inner:
-            raise InputError(f"{where}: found XML entities in {target}; remove them")
-        try:
-            child = ElementTree.fromstring(inner)
-        except ElementTree.ParseError as error:
-            raise InputError(f"{where}: the included file {target} is not XML ({error})") from None
-        _check_includes(what, where, child, base, seen)
-
-
-def _check_expanded(where: str, root: Any) -> None:
-    """Macros of ROS are not URDF: what they say would be missing."""
-    macro = next((e for e in root.iter() if "xacro}" in str(e.tag)), None)
-    if macro is not None:
-        raise InputError(
-            f"{where}: found <xacro:{macro.tag.partition('}')[2]}>, expected URDF without macros; "
-            "expand it first: xacro robot.urdf.xacro > robot.urdf"
-        )
-
-
-def _check_masses(what: str, root: Any) -> None:
-    """What moves in a URDF says its mass: masses are never inferred from volumes.
-
-    Links that are joined rigidly are one: one of them has to say it.
-    """
-    # Those of the robot itself: plugins of simulators have elements of the same names.
-    links = root.findall("link")
-    names = {name: k for k, name in enumerate(dict.fromkeys(str(e.get("name")) for e in links))}
-    weighed = {str(e.get("name")) for e in links if e.find("inertial") is not None}
-    rigid, moved = [], []
-    for joint in root.findall("joint"):
-        parent, child = joint.find("parent"), joint.find("child")
-        if parent is None or child is None:
-            continue
-        ends = str(parent.get("link")), str(child.get("link"))
-        if joint.get("type") != "fixed":
-            moved.append(ends[1])
-        elif ends[0] in names and ends[1] in names:
-            rigid.append((names[ends[0]], names[ends[1]]))
-    group = components(len(names), np.array(rigid, dtype=np.int64).reshape(-1, 2))
-    heavy = {int(group[names[name]]) for name in weighed if name in names}
-    for link in moved:
-        if link in names and int(group[names[link]]) not in heavy:
-            raise InputError(
-                f"{what}: link {link!r} moves and has no <inertial>, expected its mass and "
-                'inertia: <inertial><mass value="..."/><inertia ixx="..." .../></inertial>'
-            )
 
 
 def _links(what: str, model: Any) -> tuple[Link, ...]:

@@ -19,7 +19,6 @@ from halfphysics.errors import InputError
 from halfphysics.metrics.part_report import clearances
 from halfphysics.results.contacts import Contacts
 from halfphysics.results.result import PersonResult, Result
-from halfphysics.results.simulated_scene import SimulatedScene
 from halfphysics.results.substeps import Substeps
 from halfphysics.simulation.core_rows import contact_rows
 
@@ -91,7 +90,6 @@ def _result(
     every = settings.record == "substeps"
     at_frames = qpos[::substeps] if every else qpos
     columns, row = contact_rows(engine, contacts.rows)
-    scene: Any = SimulatedScene(world.scene, world.made_of)
     result = Result(
         people=tuple(
             PersonResult(
@@ -106,7 +104,7 @@ def _result(
         ),
         objects=engine.tracks(at_frames, dt * np.arange(count, dtype=np.float64)),
         joints=engine.joints(at_frames),
-        scene=scene,
+        scene=world.scene,
         names=world.names,
         contacts=Contacts(frame=contacts.frame[row], **vars(columns)),
         clearance=np.full(count, np.inf),

@@ -87,6 +87,10 @@ def test_an_edit_that_was_done_is_not_refused_for_another_message(live):
         assert live.receive(20).frame > 0
     with pytest.raises(InputError, match="no message of version"):
         live.edit(schema.Add("crate", "box:1:1:1", 1.0, (1e9, 0.0, 0.0)))
+    live.send(hp.Pose((0.0, 0.0, 1e9), np.zeros((55, 3))))
+    live.edit(schema.Mass("ball", 2.0))
+    with pytest.raises(InputError, match="no message of version"):
+        live.receive(20)
 
 
 def test_a_session_of_nobody_takes_no_pose():

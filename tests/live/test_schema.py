@@ -97,6 +97,18 @@ def test_numbers_of_messages_have_64_bits(number):
         assert schema.from_server(schema.encode(schema.Pong(ping.id, None, 0.0), True)).id == most
 
 
+@pytest.mark.parametrize("number", [7, "seven", None])
+def test_what_is_wrong_keeps_its_number(number):
+    wrong = {"type": "edit", "id": number, "edit": {"action": "mass", "mass": "heavy"}}
+    assert schema.number_of(json.dumps(wrong)) == number
+    assert schema.number_of(msgspec.msgpack.encode(wrong)) == number
+
+
+@pytest.mark.parametrize("data", ["", "{", "[1]", '{"id": [1]}', '{"id": 1e30}', b"", b"\xff"])
+def test_what_has_no_number_has_none(data):
+    assert schema.number_of(data) is None
+
+
 def test_messages_of_the_server_come_back():
     for message in (
         schema.Done(3),

@@ -315,8 +315,7 @@ class LiveClient:
                     f"no answer within {_ANSWERS:g} s: the server is too busy or gone"
                 ) from None
             if isinstance(message, schema.ErrorMessage):
-                # Of a message that cannot be read nobody knows the number.
-                if message.id == key or (message.id is None and message.code == "invalid"):
+                if message.id == key:
                     raise InputError(message.message)
                 self._refused.append(message)
             if isinstance(message, schema.Done | schema.Pong) and message.id == key:

@@ -88,7 +88,7 @@ class Client:
         try:
             message = schema.from_client(data)
         except InputError as error:
-            await self.send(schema.ErrorMessage("invalid", str(error)))
+            await self.send(schema.ErrorMessage("invalid", str(error), schema.number_of(data)))
             return False
         match message:
             case schema.PoseMessage():

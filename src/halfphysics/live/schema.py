@@ -7,7 +7,7 @@ sends is checked here: unknown fields are ignored, wrong types, lengths and numb
 from __future__ import annotations
 
 import re
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, cast
 
 import msgspec
 from msgspec import UNSET, Meta, Struct, UnsetType
@@ -314,6 +314,14 @@ class Pong(Struct, tag="pong"):
 
 FromServer = Hello | SceneMessage | FrameMessage | Done | ErrorMessage | Pong
 
+
+class _Numbered(Struct):
+    """Of any message its number."""
+
+    id: Id = None
+
+
+_NUMBERED = (msgspec.json.Decoder(_Numbered), msgspec.msgpack.Decoder(_Numbered))
 _FROM_CLIENT = (msgspec.json.Decoder(FromClient), msgspec.msgpack.Decoder(FromClient))
 _FROM_SERVER = (msgspec.json.Decoder(FromServer), msgspec.msgpack.Decoder(FromServer))
 _JSON, _MSGPACK = msgspec.json.Encoder(), msgspec.msgpack.Encoder()
@@ -368,6 +376,15 @@ def from_client(data: str | bytes) -> FromClient:
         return message
     except (msgspec.MsgspecError, UnicodeError, RecursionError) as error:
         raise InputError(_wrong(data, error)) from None
+
+
+def number_of(data: str | bytes) -> Id:
+    """The `id` of a client's message that may be none of version 1; None if it has none."""
+    decoder: Any = _NUMBERED[not isinstance(data, str)]
+    try:
+        return cast("_Numbered", decoder.decode(data)).id
+    except (msgspec.MsgspecError, UnicodeError, RecursionError):
+        return None
 
 
 def from_server(data: str | bytes) -> FromServer:

@@ -92,3 +92,22 @@ def finite_of(
         count = int((~np.isfinite(array)).sum())
         raise InputError(f"{name}: found {count} numbers that are not finite, expected none")
     return array
+
+
+def positions_of(
+    name: str, value: ArrayLike, *, frames: int, joints: int = 1, finite: bool = True
+) -> Array:
+    """`value` as positions (T, J, 3) of at least so many frames and joints.
+
+    Raises:
+        InputError: Something else, or with `finite` a number that is not finite.
+    """
+    array = finite_of(name, value) if finite else numbers_of(name, value)
+    if array.ndim != 3 or array.shape[2] != 3:
+        raise InputError(f"{name}: found shape {array.shape}, expected (T, J, 3)")
+    if len(array) < frames or array.shape[1] < joints:
+        raise InputError(
+            f"{name}: found {len(array)} frames of {array.shape[1]} joints, expected at least "
+            f"{frames} of {joints}"
+        )
+    return array

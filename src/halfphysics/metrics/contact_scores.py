@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics.errors import InputError
 from halfphysics.metrics.argument_checks import beside, numbers_of
 from halfphysics.motion.skeleton import JOINT_INDEX
 
@@ -48,9 +49,11 @@ def contact_scores(contact: ArrayLike, truth: ArrayLike) -> ContactScores:
         truth: Whether there truly is (T,).
 
     Raises:
-        InputError: Labels of different lengths, or not of numbers.
+        InputError: Labels of different lengths, not of numbers, or none.
     """
     said, true = (labels != 0.0 for labels in beside("contact", contact, truth))
+    if not said.size:
+        raise InputError("contact: found no labels, expected those of at least one frame")
     hits = int((said & true).sum())
     precision = hits / int(said.sum()) if said.any() else 0.0
     recall = hits / int(true.sum()) if true.any() else 0.0

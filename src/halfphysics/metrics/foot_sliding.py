@@ -9,10 +9,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from halfphysics.metrics.argument_checks import Array, numbers_of
+from halfphysics.metrics.argument_checks import Array, positions_of
 
 #: Ankles and toes, left and right, in SMPL's order.
 ANKLES, TOES = (7, 8), (10, 11)
+#: Fewest joints that have them all.
+FEWEST = max(TOES) + 1
 #: GMD: toes under this [m] in both frames of a step, faster than this [m/s], also on average over
 #: so many steps.
 GMD_HEIGHT, GMD_SPEED, GMD_WINDOW = 0.05, 0.5, 5
@@ -44,8 +46,11 @@ def gmd_skating_ratio(
         ground: Height of the ground [m].
         height: Height [m] under which a toe is on the ground.
         speed: Horizontal speed [m/s] over which it skates.
+
+    Raises:
+        InputError: Fewer frames or joints, or numbers that are not finite.
     """
-    joints = numbers_of("joints", joints)
+    joints = positions_of("joints", joints, frames=2, joints=FEWEST)
     toes = joints[:, TOES]
     low = toes[..., 2] - ground < height
     speeds = _steps(toes) * fps
@@ -66,8 +71,11 @@ def foot_sliding_mm(joints: ArrayLike, *, ground: float = 0.0) -> float:
     Args:
         joints: Positions (T, J, 3) [m], T >= 2.
         ground: Height of the ground [m].
+
+    Raises:
+        InputError: Fewer frames or joints, or numbers that are not finite.
     """
-    joints = numbers_of("joints", joints)
+    joints = positions_of("joints", joints, frames=2, joints=FEWEST)
     total = 0.0
     for pair, limit in ((ANKLES, ANKLE_HEIGHT), (TOES, TOE_HEIGHT)):
         height = joints[:-1, pair, 2] - ground

@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from halfphysics.metrics.argument_checks import Array, finite_of, numbers_of
-from halfphysics.metrics.foot_sliding import TOES
+from halfphysics.metrics.argument_checks import Array, finite_of, positions_of
+from halfphysics.metrics.foot_sliding import FEWEST, TOES
 
 #: Left ankle, left toe, right ankle, right toe: the columns of contact labels.
 FEET = (7, 10, 8, 11)
@@ -32,8 +32,11 @@ def foot_skate_from_height(joints: ArrayLike, fps: float, *, ground: float = 0.0
         joints: Positions (T, J, 3) [m], T >= 2.
         fps: Frames per second.
         ground: Height of the ground [m].
+
+    Raises:
+        InputError: Fewer frames or joints, or numbers that are not finite.
     """
-    joints = numbers_of("joints", joints)
+    joints = positions_of("joints", joints, frames=2, joints=FEWEST)
     down = joints[:-1, TOES, 2] - ground < HEIGHT
     return _mean(_speeds(joints[:, TOES], fps), down)
 
@@ -46,8 +49,11 @@ def foot_skate_ratio(joints: ArrayLike, fps: float, *, ground: float = 0.0) -> f
         joints: Positions (T, J, 3) [m], T >= 2.
         fps: Frames per second.
         ground: Height of the ground [m].
+
+    Raises:
+        InputError: Fewer frames or joints, or numbers that are not finite.
     """
-    joints = numbers_of("joints", joints)
+    joints = positions_of("joints", joints, frames=2, joints=FEWEST)
     low = joints[:, TOES, 2] - ground < HEIGHT
     down = low[:-1] & low[1:]
     skates = down & (_speeds(joints[:, TOES], fps) > SPEED)
@@ -63,7 +69,7 @@ def foot_skate_from_contacts(joints: ArrayLike, fps: float, contacts: ArrayLike)
         contacts: ArrayLike (T, 4): left ankle, left toe, right ankle, right toe.
 
     Raises:
-        InputError: Labels of another shape, or numbers that are not finite.
+        InputError: As `foot_skate_ratio`; labels of another shape, or not finite.
     """
     joints, labels = _labelled(joints, contacts)
     return _mean(_speeds(joints[:, FEET], fps), labels[:-1])
@@ -94,8 +100,11 @@ def foot_contacts(joints: ArrayLike, fps: float, *, ground: float = 0.0) -> Labe
     """Contact labels (T, 4) told from the motion: lower than 10 cm and slower than 0.15 m/s.
 
     The last frame takes the speed of the step before it.
+
+    Raises:
+        InputError: As `foot_skate_ratio`.
     """
-    joints = numbers_of("joints", joints)
+    joints = positions_of("joints", joints, frames=2, joints=FEWEST)
     speeds = _speeds(joints[:, FEET], fps)
     slow = np.concatenate([speeds, speeds[-1:]]) < CONTACT_SPEED
     labels: Labels = slow & (joints[:, FEET, 2] - ground < CONTACT_HEIGHT)
@@ -106,9 +115,9 @@ def _labelled(joints: ArrayLike, contacts: ArrayLike) -> tuple[Array, Labels]:
     """Joints (T, J, 3) and contact labels (T, 4), checked.
 
     Raises:
-        InputError: Labels of another shape, or numbers that are not finite.
+        InputError: As `foot_skate_ratio`; labels of another shape, or not finite.
     """
-    joints = finite_of("joints", joints)
+    joints = positions_of("joints", joints, frames=2, joints=FEWEST)
     labels = finite_of(
         "contacts", contacts, (len(joints), len(FEET)), "frames and feet of 'joints'"
     )

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from halfphysics.metrics.argument_checks import beside, joints_of, numbers_of
+from halfphysics.metrics.argument_checks import finite_of, joints_of, positions_of
 
 #: Hips, left and right, in SMPL's order: their middle is the pelvis of `acceleration_error`.
 HIPS = (1, 2)
@@ -42,8 +42,11 @@ def jitter(joints: ArrayLike, fps: float) -> float:
     Args:
         joints: Positions in the world (T, J, 3) [m], T >= 4.
         fps: Frames per second.
+
+    Raises:
+        InputError: Fewer frames, or numbers that are not finite.
     """
-    joints = numbers_of("joints", joints)
+    joints = positions_of("joints", joints, frames=4)
     third = np.diff(joints, n=3, axis=0) * fps**3
     return float(np.linalg.norm(third, axis=-1).mean() / 10.0)
 
@@ -62,9 +65,10 @@ def acceleration_error(joints: ArrayLike, truth: ArrayLike, fps: float) -> float
         fps: Frames per second.
 
     Raises:
-        InputError: A truth of another shape, or numbers that are not finite.
+        InputError: A truth of another shape, fewer frames, or numbers that are not finite.
     """
-    joints, truth = beside("joints", joints, truth)
+    joints = positions_of("joints", joints, frames=3, joints=max(HIPS) + 1)
+    truth = finite_of("truth", truth, joints.shape, "'joints'")
     own, true = (p - p[:, HIPS].mean(axis=1, keepdims=True) for p in (joints, truth))
     error = np.diff(own, n=2, axis=0) - np.diff(true, n=2, axis=0)
     return float(fps**2 * np.linalg.norm(error, axis=-1).mean())

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from halfphysics.base.arrays import as_array
-from halfphysics.metrics.argument_checks import check_motion, finite_of, numbers_of
+from halfphysics.metrics.argument_checks import check_motion, finite_of, positions_of
 
 #: Mean joint error over which a clip is a failure of PHC [m].
 FAR = 0.5
@@ -49,8 +49,8 @@ def phc_success(joints: ArrayLike, truth: ArrayLike) -> bool:
         truth: The true ones (T, J, 3) [m].
 
     Raises:
-        InputError: A truth of another shape, or one that is not finite.
+        InputError: Positions of another shape, or a truth of one or that is not finite.
     """
-    joints = numbers_of("joints", joints)
+    joints = positions_of("joints", joints, frames=1, finite=False)
     truth = finite_of("truth", truth, joints.shape, "'joints'")
     return bool((np.linalg.norm(joints - truth, axis=-1).mean(axis=1) <= FAR).all())

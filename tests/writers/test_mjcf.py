@@ -127,6 +127,32 @@ def test_what_touches_is_what_touched(tmp_path):
     assert normal @ data.geom_xpos[floor] == pytest.approx(plane.shape.offset)
 
 
+def test_pairs_keep_a_friction_of_their_own(tmp_path):
+    scene = takes.scene()
+    scene.friction("ball", "lift", 0.0)
+    scene.friction("cabinet", "ball", 0.25)
+    scene.friction("person", "pair", 1.5)
+    scene.friction("floor", "step", 0.7)  # neither moves
+    scene.friction("post", "person/head", 0.9)  # ignored
+    model, _ = written(Sequence(hp.Motion(*movement(5), 30.0), scene), tmp_path / "a.xml")
+    of = [model.body(int(b)).name for b in model.geom_bodyid]
+    found = {}
+    for k in range(model.npair):
+        pair = sorted([of[model.pair_geom1[k]], of[model.pair_geom2[k]]])
+        found.setdefault(tuple(pair), set()).add(tuple(model.pair_friction[k]))
+    rest = (0.005, 0.0001, 0.0001)
+    parts = {of[g] for g in range(model.ngeom) if of[g].startswith("person/")}
+    assert len(parts) > 50
+    assert found == {
+        ("ball", "lift"): {(0.0, 0.0, *rest)},
+        **{
+            ("ball", link): {(0.25, 0.25, *rest)}
+            for link in scene.articulated["cabinet"].link_names
+        },
+        **{("pair", part): {(1.5, 1.5, *rest)} for part in parts},
+    }
+
+
 def test_stock_mujoco_steps_it(tmp_path):
     model, data = written(takes.result(), tmp_path / "a.xml")
     mujoco.mj_resetDataKeyframe(model, data, 0)

@@ -3,11 +3,13 @@
 One file that contains the meshes. Bodies are named as in the scene, those of people "NAME/JOINT".
 Keyframe k is frame k: `qpos`, `qvel` (towards the next frame) and, for kinematic objects, the pose
 of the mocap body. Collision geometry is convex in MuJoCo: the pieces of objects (group 3 if a mesh
-is drawn instead) and convex statics; other meshes are only drawn.
+is drawn instead) and convex statics; other meshes are only drawn. MuJoCo gives a pair the larger
+friction of its two; pairs with a friction of their own (`Scene.friction`) are pairs there.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
@@ -39,6 +41,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Element = ElementTree.Element
 
+#: MuJoCo's defaults for torsional friction, and for that of rolling about two axes.
+_SPIN_AND_ROLL = (0.005, 0.0001, 0.0001)
 #: Default class of the people's parts.
 _PERSON = "person"
 
@@ -103,7 +107,7 @@ def _model(take: Take, path: Path) -> Element:
                 _link_geoms(body, geoms, name, link, whole.friction)
         else:
             _articulated(world, geoms, whole)
-    _excluded(ElementTree.SubElement(root, "contact"), take)
+    _contacts(ElementTree.SubElement(root, "contact"), take, world)
     return root
 
 
@@ -181,23 +185,43 @@ def _is_recorded(take: Take, item: Articulated) -> bool:
     return moving and not all(name in take.joints for name in joints)
 
 
-def _excluded(contact: Element, take: Take) -> None:
-    """Exclude pairs that do not collide: ignored pairs of the scene, links of one object."""
+def _contacts(contact: Element, take: Take, world: Element) -> None:
+    """Pairs that do not collide (those that the scene ignores, links of one object), and pairs of a
+    friction of their own."""
     scene = take.scene
     bodies = {name: [_called(name)] for name in (*scene.statics, *scene.objects)}
-    pairs = list(scene.ignored_pairs)
+    ignored = list(scene.ignored_pairs)
     for item in scene.articulated.values():
         bodies[item.name] = list(item.link_names)
-        pairs.append((item.name, item.name))
+        ignored.append((item.name, item.name))
     for joint in JOINT_NAMES:
         bodies[f"person/{joint}"] = [f"{actor.name}/{joint}" for actor in take.actors]
     bodies["person"] = [name for joint in JOINT_NAMES for name in bodies[f"person/{joint}"]]
-    for a, b in pairs:
-        for first in bodies[a]:
-            for second in bodies[b]:
-                # Pairs within one group come twice.
-                if a != b or first < second:
-                    ElementTree.SubElement(contact, "exclude", body1=first, body2=second)
+    solid = {
+        body.attrib["name"]: [geom.attrib["name"] for geom in body.findall("geom[@name]")]
+        for body in world.iter("body")
+    }
+    apart = {pair for a, b in ignored for pair in _pairs(bodies[a], bodies[b])}
+    for first, second in sorted(apart):
+        ElementTree.SubElement(contact, "exclude", body1=first, body2=second)
+    fixed = {_called(name) for name in scene.statics}
+    for a, b, mu in scene.friction_pairs:
+        friction = text([mu, mu, *_SPIN_AND_ROLL])
+        for first, second in sorted(set(_pairs(bodies[a], bodies[b])) - apart):
+            if first in fixed and second in fixed:
+                continue
+            for one in solid[first]:
+                for other in solid[second]:
+                    both = {"geom1": one, "geom2": other}
+                    ElementTree.SubElement(contact, "pair", both, friction=friction)
+
+
+def _pairs(these: Sequence[str], those: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """Every two of different names, each once, in the order of their names."""
+    for first in these:
+        for second in those:
+            if first != second:
+                yield min(first, second), max(first, second)
 
 
 def _compiled(root: Element, path: Path) -> Any:

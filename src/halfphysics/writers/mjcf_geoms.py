@@ -49,7 +49,7 @@ class Geoms:
 
         Args:
             body: The body of the geom.
-            name: Name of its mesh, if it needs one.
+            name: Its name, and that of its mesh if it needs one.
             shape: Any shape; a mesh only if it is convex.
             friction: Coulomb coefficient.
             position, quaternion: Pose of the shape in the body's frame.
@@ -85,6 +85,7 @@ class Geoms:
             body,
             "geom",
             said,
+            name=name,
             pos=text(position),
             quat=text(quaternion),
             friction=f"{text([friction])} 0.005 0.0001",

@@ -88,6 +88,11 @@ constexpr double kBoundRounding = 1e-9;
 
 // Corners of a face nearer than this are one [m]; twice the area of three corners on a line [m^2].
 constexpr double kSameCorner = 1e-9, kStraight = 1e-12;
+// Of a shape that is thin as a whole what is higher than this times how far it is aside of another point [-] is
+// its far side: 42 degrees, so that corners of a square bar that lies on an edge are, whatever their last bit.
+constexpr double kFarSide = 0.9;
+// A disc whose rim rises by this share of its radius [-] stands on edge: a wire is seen from its side.
+constexpr double kOnEdge = 0.7;
 // A face that was cut lost nothing if its area is the same up to this share [-]: rounding.
 constexpr double kSameArea = 1e-9;
 
@@ -1011,6 +1016,8 @@ constexpr int kHalfGrid = 27, kMostCells = 1500;
 constexpr double kLeaves = 0.35, kSameRoom = 1e-9;
 // Straight ways are looked at in steps of this [m]. A point of the way that is this near has been reached [m].
 constexpr double kLook = 0.1, kReached = 0.15;
+// Who is farther away [m] goes straight on: no map reaches there, and all of the line would be looked at.
+constexpr double kFarthest = 100;
 // A way is found anew after so long [s], or when its end has moved by so much [m].
 constexpr double kFindsAnew = 0.5, kMovedOn = 0.3;
 

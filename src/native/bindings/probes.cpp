@@ -190,6 +190,7 @@ auto shape_vertices(Stepper& s, int shape) {
 auto shape_points(Stepper& s, Doubles qpos, int shape) {
   Poses p;
   pose_of(s, qpos, p);
+  (void)s.system.world.shapes.at(shape);  // an IndexError
   const Points at = s.system.world.place(p, shape).points();
   std::vector<double> x;
   for (int i = 0; i < at.n; i++) push(x, at.at(i));

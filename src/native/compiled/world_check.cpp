@@ -12,6 +12,8 @@ constexpr size_t kMostShapes = 20'000;
 // Most rounds of the solver, and most substeps of a frame: what a file asks for is waited for. With 100,000
 // substeps a frame in contact took minutes. Python refuses to write files of more (compile_world.py).
 constexpr int kMostSweeps = 10'000, kMostSubsteps = 1'000;
+// How far normals and quaternions may be from a length of 1 [-]: rounding of files that were edited.
+constexpr double kUnit = 1e-6;
 
 void expect(bool ok, const char* what) {
   if (!ok) throw std::invalid_argument(std::string("world file: ") + what);
@@ -40,7 +42,7 @@ void check_shapes(const CollisionWorld& w) {
   for (const Static& s : w.statics)
     expect(below(s.name, names) && s.hull.radius >= 0, "static geometry of no name");
   for (const Static& s : w.statics)
-    expect(s.kind != Static::Kind::HalfSpace || std::fabs(norm(s.n) - 1) < 1e-6,
+    expect(s.kind != Static::Kind::HalfSpace || std::fabs(norm(s.n) - 1) < kUnit,
            "a half-space whose normal is no unit vector");
   for (const Pairing& p : w.pairings)
     expect(p.friction >= 0 && p.restitution >= 0 && p.restitution <= 1,
@@ -68,6 +70,13 @@ void check_people(const CompiledWorld& world) {
     expect(shape.person < (int)s.drives.size(), "a shape of no person");
 }
 
+// A turn at the start: the one of a person comes with the first pose.
+void check_turn(const Labels& labels, int qpos) {
+  const Quat q = load4(&labels.start_qpos[qpos]);
+  const double length2 = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
+  expect(std::fabs(length2 - 1) < kUnit, "a start whose quaternion is no unit");
+}
+
 void check_items(const CompiledWorld& world) {
   const Labels& labels = world.labels;
   const Model& m = world.stepper.system.model;
@@ -79,13 +88,16 @@ void check_items(const CompiledWorld& world) {
                        m.jnt_qpos[m.jnt_first[o.body]] == o.qpos && m.dof_first[o.body] == o.dof),
         "an object without coordinates");
     expect(o.qpos >= 0 || !o.pushable, "an object without coordinates");
+    if (o.qpos >= 0) check_turn(labels, o.qpos + 3);
   }
   for (const LinkPlace& l : labels.links)
     expect(l.body > 0 && below(l.body, m.nbody) && labels.find(l.name) >= 0, "a link of no body");
-  for (const JointPlace& j : labels.joints)
+  for (const JointPlace& j : labels.joints) {
     expect(
         (j.width == 1 || j.width == 4 || j.width == 7) && j.qpos >= 0 && j.qpos <= m.nq - j.width,
         "a joint without coordinates");
+    if (j.width >= 4) check_turn(labels, j.qpos + j.width - 4);
+  }
 }
 
 void check_labels(const CompiledWorld& world) {

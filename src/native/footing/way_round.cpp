@@ -55,6 +55,7 @@ class Room {
   bool straight(Vec3 from, Vec3 to) {
     const Vec3 way{to.x - from.x, to.y - from.y, 0};
     const double length = norm(way);
+    if (!(length < tune::kFarthest)) return true;
     const int n = (int)std::ceil(length / tune::kLook);
     const double own = at(from);
     for (int i = 1; i <= n; i++) {

@@ -29,7 +29,9 @@ class FacePlane {
     const FacePoint &o = face_[0], &e = face_[1];
     if (face_.size() == 2) {
       double u = e.u - o.u, v = e.v - o.v, along = (q.u - o.u) * u + (q.v - o.v) * v;
-      return o.height + along / (u * u + v * v) * (e.height - o.height);
+      double length2 = u * u + v * v;
+      if (length2 == 0) return std::min(o.height, e.height);  // an edge along the normal
+      return o.height + along / length2 * (e.height - o.height);
     }
     double f = cross2(o, q, face_[j_]) / widest_, g = cross2(o, face_[i_], q) / widest_;
     return o.height + f * (face_[i_].height - o.height) + g * (face_[j_].height - o.height);

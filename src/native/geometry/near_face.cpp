@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/elementary.h"
 #include "tuning.h"
 
 namespace hp {
@@ -23,19 +24,44 @@ std::vector<FacePoint> convex_polygon(std::vector<FacePoint> pts) {
   return hull;
 }
 
+namespace {
+
+// Takes off what lies steeply above another point: of a coin or a card both sides are near. Three points
+// are a triangle, which has no other side.
+void drop_far_side(std::vector<FacePoint>& pts) {
+  if (pts.size() == 3) return;
+  auto above = [](FacePoint x, FacePoint y) {
+    return x.height - y.height > tune::kFarSide * elementary::hypot(x.u - y.u, x.v - y.v);
+  };
+  std::vector<FacePoint> kept;
+  kept.reserve(pts.size());
+  for (FacePoint x : pts)
+    if (std::none_of(pts.begin(), pts.end(), [&](FacePoint y) { return above(x, y); }))
+      kept.push_back(x);
+  pts = std::move(kept);
+}
+
+}  // namespace
+
 std::vector<FacePoint> near_face(const PosedShape& s, Vec3 n, Vec3 t, Vec3 b, double tol) {
   Points p = s.points();
   Support swept = s.support();
   double low = dot(n, p.at(p.support(-n)));
   std::vector<FacePoint> pts;
   pts.reserve(64);
+  bool thin = true;                                 // no vertex is farther than tol
+  const double rise = s.reach(n) - s.hull->radius;  // of the rim, above and below its centre
+  const bool round = 2 * rise > tol || rise > tune::kOnEdge * swept.rim;
   auto add = [&](Vec3 x) { pts.push_back({dot(t, x), dot(b, x), dot(n, x)}); };
   for (int i = 0; i < p.n; i++) {
     Vec3 x = p.at(i);
-    if (dot(n, x) > low + tol) continue;
+    if (dot(n, x) > low + tol) {
+      thin = false;
+      continue;
+    }
     if (swept.rim == 0) {
       add(x);
-    } else if (2 * (s.reach(n) - s.hull->radius) > tol) {
+    } else if (round) {
       add(x + swept.on_rim(-n));
     } else {
       for (int k = 0; k < kRoundCorners; k++)
@@ -43,6 +69,7 @@ std::vector<FacePoint> near_face(const PosedShape& s, Vec3 n, Vec3 t, Vec3 b, do
                              elementary::sin(0.25 * M_PI * k) * b));
     }
   }
+  if (thin) drop_far_side(pts);
   return convex_polygon(std::move(pts));
 }
 

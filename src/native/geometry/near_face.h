@@ -1,8 +1,9 @@
 // The face of a convex shape that lies nearest along a direction, as a convex polygon in the plane across it.
 //
-// The vertices of a shape within `tol` of its nearest one along -n make the face. A disc that is wholly that
-// near counts as eight points of its rim, another as its nearest point alone: a round side is no face.
-// Polygons are in counter-clockwise order; two points are an edge. Lengths in [m].
+// The vertices of a shape within `tol` of its nearest one along -n make the face; of a shape that is thinner
+// than that, those of its near side. A disc that is wholly that near, and does not stand on edge, counts as
+// eight points of its rim, another as its nearest point alone: a round side is no face. Polygons are in
+// counter-clockwise order; two points are an edge. Lengths in [m].
 #pragma once
 #include <vector>
 

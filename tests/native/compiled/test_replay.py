@@ -191,6 +191,20 @@ def test_first_joints_and_dofs_of_bodies_without_any_are_near(door):
             assert not tried(written(door, "set_model", argument, 0, value)), (argument, value)
 
 
+@pytest.mark.parametrize("value", [0.0, 2.0])
+def test_a_start_has_unit_quaternions(value):
+    """A quaternion of zeros made every pose NaN."""
+    scene = hp.Scene()
+    scene.add_object("box", hp.Box((0.1, 0.1, 0.1)), mass=1.0, position=(0, 0, 1))
+    data = hp.compile_world(scene, body=[])
+    body, count = bytearray(data[HEADER:]), struct.unpack("<I", data[24:28])[0]
+    at = body.index(b"qpos".ljust(24, b"\0"), body.index(b"label_start\0")) + 56 + 8 * 3
+    assert struct.unpack_from("<d", body, at) == (1.0,)
+    struct.pack_into("<d", body, at, value)
+    with pytest.raises(ValueError, match="quaternion is no unit"):
+        _native.run_world(sealed(bytes(body), count), 1)
+
+
 @pytest.mark.parametrize("weights", [0.0, -1.0, np.nan])
 def test_skin_needs_weights(weights):
     def of(weight):

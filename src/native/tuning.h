@@ -92,7 +92,7 @@ constexpr double kSameCorner = 1e-9, kStraight = 1e-12;
 // its far side: 42 degrees, so that corners of a square bar that lies on an edge are, whatever their last bit.
 constexpr double kFarSide = 0.9;
 // A disc whose rim rises by this share of its radius [-] stands on edge: a wire is seen from its side.
-constexpr double kOnEdge = 0.7;
+constexpr double kDiscOnEdge = 0.7;
 // A face that was cut lost nothing if its area is the same up to this share [-]: rounding.
 constexpr double kSameArea = 1e-9;
 

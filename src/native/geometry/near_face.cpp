@@ -51,7 +51,7 @@ std::vector<FacePoint> near_face(const PosedShape& s, Vec3 n, Vec3 t, Vec3 b, do
   pts.reserve(64);
   bool thin = true;                                 // no vertex is farther than tol
   const double rise = s.reach(n) - s.hull->radius;  // of the rim, above and below its centre
-  const bool round = 2 * rise > tol || rise > tune::kOnEdge * swept.rim;
+  const bool round = 2 * rise > tol || rise > tune::kDiscOnEdge * swept.rim;
   auto add = [&](Vec3 x) { pts.push_back({dot(t, x), dot(b, x), dot(n, x)}); };
   for (int i = 0; i < p.n; i++) {
     Vec3 x = p.at(i);

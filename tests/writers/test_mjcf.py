@@ -131,6 +131,7 @@ def test_pairs_keep_a_friction_of_their_own(tmp_path):
     scene = takes.scene()
     scene.friction("ball", "lift", 0.0)
     scene.friction("cabinet", "ball", 0.25)
+    scene.friction("person/head", "pair", 0.2)  # instead of what is said of all parts
     scene.friction("person", "pair", 1.5)
     scene.friction("floor", "step", 0.7)  # neither moves
     scene.friction("post", "person/head", 0.9)  # ignored
@@ -150,6 +151,7 @@ def test_pairs_keep_a_friction_of_their_own(tmp_path):
             for link in scene.articulated["cabinet"].link_names
         },
         **{("pair", part): {(1.5, 1.5, *rest)} for part in parts},
+        ("pair", "person/head"): {(0.2, 0.2, *rest)},
     }
 
 

@@ -205,15 +205,18 @@ def _contacts(contact: Element, take: Take, world: Element) -> None:
     for first, second in sorted(apart):
         ElementTree.SubElement(contact, "exclude", body1=first, body2=second)
     fixed = {_called(name) for name in scene.statics}
-    for a, b, mu in scene.friction_pairs:
+    own: dict[tuple[str, str], float] = {}
+    # What is said of parts holds instead of what is said of all people.
+    for a, b, mu in sorted(scene.friction_pairs, key=lambda pair: (pair[0] + pair[1]).count("/")):
+        for pair in set(_pairs(bodies[a], bodies[b])) - apart:
+            if not fixed.issuperset(pair):
+                own[pair] = mu
+    for (first, second), mu in sorted(own.items()):
         friction = text([mu, mu, *_SPIN_AND_ROLL])
-        for first, second in sorted(set(_pairs(bodies[a], bodies[b])) - apart):
-            if first in fixed and second in fixed:
-                continue
-            for one in solid[first]:
-                for other in solid[second]:
-                    both = {"geom1": one, "geom2": other}
-                    ElementTree.SubElement(contact, "pair", both, friction=friction)
+        for one in solid[first]:
+            for other in solid[second]:
+                both = {"geom1": one, "geom2": other}
+                ElementTree.SubElement(contact, "pair", both, friction=friction)
 
 
 def _pairs(these: Sequence[str], those: Sequence[str]) -> Iterator[tuple[str, str]]:

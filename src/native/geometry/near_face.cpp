@@ -29,15 +29,23 @@ namespace {
 // Takes off what lies steeply above another point: of a coin or a card both sides are near. Three points
 // are a triangle, which has no other side.
 void drop_far_side(std::vector<FacePoint>& pts) {
-  if (pts.size() == 3) return;
-  auto above = [](FacePoint x, FacePoint y) {
-    return x.height - y.height > tune::kFarSide * elementary::hypot(x.u - y.u, x.v - y.v);
-  };
+  if (pts.size() < 2 || pts.size() == 3) return;
+  const auto [low, high] = std::minmax_element(
+      pts.begin(), pts.end(), [](FacePoint x, FacePoint y) { return x.height < y.height; });
+  const double aside = (high->height - low->height) / tune::kFarSide;  // no point farther along u
+  std::sort(pts.begin(), pts.end(), [](FacePoint x, FacePoint y) { return x.u < y.u; });
   std::vector<FacePoint> kept;
   kept.reserve(pts.size());
-  for (FacePoint x : pts)
-    if (std::none_of(pts.begin(), pts.end(), [&](FacePoint y) { return above(x, y); }))
-      kept.push_back(x);
+  size_t first = 0, end = 0;
+  for (FacePoint x : pts) {
+    while (pts[first].u < x.u - aside) first++;
+    while (end < pts.size() && pts[end].u <= x.u + aside) end++;
+    bool above = false;
+    for (size_t k = first; k < end && !above; k++)
+      above = x.height - pts[k].height >
+              tune::kFarSide * elementary::hypot(x.u - pts[k].u, x.v - pts[k].v);
+    if (!above) kept.push_back(x);
+  }
   pts = std::move(kept);
 }
 

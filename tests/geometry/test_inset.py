@@ -33,8 +33,8 @@ def box(size, cuts=0):
 def test_the_planes_of_a_box_move_by_the_thickness(cuts, size, t):
     mesh = box(size, cuts)
     made = inset(mesh.vertices, mesh.faces, t)
-    # Cut twice, a side has vertices a quarter of its height below the top, which stay at their height:
-    # a top that comes down to them pushes them down to within NEAR.
+    # Cut twice, a side has vertices a quarter of its height below the top, which stay at their
+    # height: a top that comes down to them pushes them down to within NEAR.
     exact = cuts == 0 or 4.0 * t < min(size)
     share = 1e-9 if exact else NEAR
     found = np.abs(made.vertices).max(axis=0)

@@ -34,12 +34,7 @@ def checked_xml(what: str, text: str, path: Path | None) -> Any:
         FileError: An included file is not there, or cannot be read.
     """
     where = f"{what}: {path}" if path is not None else what
-    if "<!DOCTYPE" in text or "<!ENTITY" in text:
-        raise InputError(f"{where}: found XML entities, expected plain MJCF or URDF; remove them")
-    try:
-        root = ElementTree.fromstring(text)
-    except ElementTree.ParseError as error:
-        raise InputError(f"{where}: not XML ({error}), expected {SOURCES}") from None
+    root = _plain(where, text)
     if root.tag not in ("mujoco", "robot"):
         raise InputError(f"{where}: found <{root.tag}>, expected <mujoco> (MJCF) or <robot> (URDF)")
     base = None if path is None else path.resolve().parent
@@ -50,6 +45,16 @@ def checked_xml(what: str, text: str, path: Path | None) -> Any:
         _check_expanded(where, root)
         _check_masses(what, root)
     return root
+
+
+def _plain(where: str, text: str) -> Any:
+    """The root element of XML without entities."""
+    if "<!DOCTYPE" in text or "<!ENTITY" in text:
+        raise InputError(f"{where}: found XML entities, expected plain MJCF or URDF; remove them")
+    try:
+        return ElementTree.fromstring(text)
+    except ElementTree.ParseError as error:
+        raise InputError(f"{where}: not XML ({error}), expected {SOURCES}") from None
 
 
 def _check_size(where: str, root: Any) -> None:
@@ -146,12 +151,7 @@ def _check_includes(what: str, where: str, root: Any, base: Path | None, seen: l
             continue
         seen.append(target)
         inner = file_bytes(target).decode("utf-8", errors="replace")
-        if "<!DOCTYPE" in inner or "<!ENTITY" in inner:
-            raise InputError(f"{where}: found XML entities in {target}; remove them")
-        try:
-            child = ElementTree.fromstring(inner)
-        except ElementTree.ParseError as error:
-            raise InputError(f"{where}: the included file {target} is not XML ({error})") from None
+        child = _plain(f"{where}: the included file {target}", inner)
         _check_includes(what, where, child, base, seen)
 
 

@@ -12,10 +12,13 @@ from halfphysics.live import schema
 from support.paths import ROOT
 
 SOURCE = (ROOT / "js" / "client" / "src" / "messages.ts").read_text(encoding="utf-8")
-STRUCTS = {
+STRUCTS = {  # a private one is a way to read, and no message
     name: kind
     for name, kind in vars(schema).items()
-    if isinstance(kind, type) and issubclass(kind, msgspec.Struct) and kind is not msgspec.Struct
+    if isinstance(kind, type)
+    and issubclass(kind, msgspec.Struct)
+    and kind is not msgspec.Struct
+    and not name.startswith("_")
 }
 
 

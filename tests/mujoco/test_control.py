@@ -422,6 +422,36 @@ CART = """<mujoco><option timestep="0.002"/><worldbody>
   <geom name="plate" type="box" size="1 1 .1" mass="60"/></body></worldbody></mujoco>"""
 
 
+@pytest.mark.parametrize("frame", [None, 1.0 / 30.0])
+def test_a_cart_that_rolls_under_somebody_is_slowed_down_by_friction(frame):
+    """By mu m g, which is among MuJoCo's forces and the person's contacts, until it stops."""
+    mu, mass = 0.3, 60.0
+    spec = mujoco.MjSpec.from_string(f"""<mujoco><option timestep="0.002"/><worldbody>
+      <body pos="0 0 -0.1"><joint type="slide" axis="1 0 0"/>
+      <geom type="box" size="2 2 .1" mass="{mass}" friction="{mu}"/></body></worldbody></mujoco>""")
+    human = hp.attach(spec)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    control = human.bind(model, data)
+    control.reset(t_pose())
+    for _ in range(100):
+        control.step(t_pose())
+    data.qvel[0] = 0.5
+    force = mu * sum(part.mass for part in hp.Body.default().variant.parts) * 9.81
+    for _ in range(3):
+        before, began = data.qvel[0], data.time
+        control.step(t_pose(), dt=frame)
+        slowing = (before - data.qvel[0]) / (data.time - began)
+        assert slowing == pytest.approx(force / mass, rel=1e-3)
+        assert data.xfrc_applied[1, 0] == pytest.approx(-force, rel=1e-3)
+        points = control.contact
+        on_person = np.einsum("nk,nkx->x", points.force[:, :3], points.frame.reshape(-1, 3, 3))
+        assert on_person[0] == pytest.approx(force, rel=1e-3)
+    for _ in range(150):
+        control.step(t_pose())
+    assert abs(data.qvel[0]) < 1e-9
+
+
 def test_a_state_resumes_where_the_world_was_elsewhere_meanwhile():
     """Who stands weighs on the cart where it is now, whatever MuJoCo last worked out of it."""
     spec = mujoco.MjSpec.from_string(CART)

@@ -70,7 +70,21 @@ void spread_weight(const std::vector<BearingPoint>& points, Vec3 centre,
   }
 }
 
-void Bearing::aim(Vec3 centre, double left) {
+// What did not carry in the frame before has no place yet that it comes from.
+void Bearing::find_velocities(double dt) {
+  before_.resize(points.size());
+  for (size_t i = 0; i < points.size(); i++) {
+    BearingPoint& p = points[i];
+    Before& before = before_[i];
+    const bool carries = p.carries > 0;
+    if (carries && before.carried && dt > 0)
+      p.velocity = {(p.at.x - before.x) / dt, (p.at.y - before.y) / dt, 0};
+    before = carries ? Before{true, p.at.x, p.at.y} : Before{};
+  }
+}
+
+void Bearing::aim(Vec3 centre, double left, double dt) {
+  find_velocities(dt);
   load_.resize(points.size(), 0);
   target_.assign(points.size(), 0);
   bool movable = false;
@@ -116,6 +130,7 @@ void Bearing::contacts_pressed(double weights, double dt) {
 
 void Bearing::reset() {
   points.clear();
+  before_.clear();
   target_.clear();
   load_.clear();
   pressed_ = 0;
@@ -125,6 +140,10 @@ void Bearing::reset() {
 void Bearing::save(size_t count, std::vector<double>& out) const {
   out.push_back(pressed_);
   for (size_t i = 0; i < count; i++) out.push_back(i < load_.size() ? load_[i] : 0);
+  for (size_t i = 0; i < count; i++) {
+    const Before b = i < before_.size() ? before_[i] : Before{};
+    out.insert(out.end(), {b.carried ? 1.0 : 0.0, b.x, b.y});
+  }
 }
 
 const double* Bearing::restore(size_t count, const double* in) {
@@ -132,7 +151,9 @@ const double* Bearing::restore(size_t count, const double* in) {
   pressed_ = *in++;
   load_.assign(in, in + count);
   target_.assign(count, 0);
-  return in + count;
+  in += count;
+  for (size_t i = 0; i < count; i++, in += 3) before_.push_back({in[0] != 0, in[1], in[2]});
+  return in;
 }
 
 }  // namespace hp

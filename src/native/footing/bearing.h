@@ -26,6 +26,7 @@ struct BearingPoint {
   int shape = -1;         // that surface's, if it can be moved; -1: static geometry, or none
   double carries = 0;     // 0: not at all
   bool on_layer = false;  // what carries is soft: contacts do (on_layers.h)
+  Vec3 velocity;          // of the point along the ground, where it is put [m/s]
 };
 
 // The shares of `points` for a person whose centre of mass is over `centre`, into `share`; all zero
@@ -37,8 +38,9 @@ class Bearing {
  public:
   std::vector<BearingPoint> points;  // of the frame under way
 
-  // The points of a frame are known: what each is to carry, of the share `left` of the weight.
-  void aim(Vec3 centre, double left = 1);
+  // The points of a frame of length dt [s] are known: how fast each goes, and what it is to carry, of the
+  // share `left` of the weight.
+  void aim(Vec3 centre, double left, double dt);
   // Time `h` [s] passes.
   void advance(double h);
   // Does anything press on a movable thing?
@@ -54,6 +56,14 @@ class Bearing {
   const double* restore(size_t count, const double* in);
 
  private:
+  // A point in the frame before: whether it carried, and then where.
+  struct Before {
+    bool carried = false;
+    double x = 0, y = 0;
+  };
+  void find_velocities(double dt);
+
+  std::vector<Before> before_;
   std::vector<double> target_, load_;  // per point, in the person's weight; loads outlive a frame
   double pressed_ = 0;                 // by contacts, smoothed, in the person's weight
   double left_ = 1;                    // share of the load that contacts leave

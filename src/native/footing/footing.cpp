@@ -217,7 +217,7 @@ void Footing::find_state() {
 }
 
 // Which points carry the person where it is put: what rests, near a surface. After the heights are known.
-void Footing::find_bearing(const Model& m, const CollisionWorld& world, Vec3 displaced) {
+void Footing::find_bearing(const Model& m, const CollisionWorld& world, Vec3 displaced, double dt) {
   const auto carries = [&](size_t i, Vec3 by, double rests) {
     BearingPoint& p = bearing.points[i];
     if (p.carries == 0) return;
@@ -250,7 +250,7 @@ void Footing::find_bearing(const Model& m, const CollisionWorld& world, Vec3 dis
   for (; i < stance_.points.size(); i++) carries(i, whole, 1);
   const Vec3 centre = stance_.centre_of_mass(m) + whole;
   layers.aim(bearing.points, soles, limp, centre, sits());
-  bearing.aim(centre, 1 - layers.share());
+  bearing.aim(centre, 1 - layers.share(), dt);
 }
 
 void Footing::apply(int root_qpos, double* qpos) {
@@ -382,7 +382,7 @@ void Footing::frame(const Model& m, const CollisionWorld& world, Poses& poses, i
   find_left(poses, dt);
   displaced_ = frame.displaced;
   find_state();
-  find_bearing(m, world, frame.displaced);
+  find_bearing(m, world, frame.displaced, dt);
   asked_.assign(target, target + m.nq);
   apply(root_qpos, target);
   if (!corrected_ || !clear_between(m, root_qpos, frame.from, target)) return;

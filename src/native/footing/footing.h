@@ -112,7 +112,7 @@ class Footing {
   void move_feet(const CollisionWorld& world, Poses& poses, const Frame& frame);
   void find_left(const Poses& poses, double dt);
   void find_state();
-  void find_bearing(const Model& m, const CollisionWorld& world, Vec3 displaced);
+  void find_bearing(const Model& m, const CollisionWorld& world, Vec3 displaced, double dt);
   void apply(int root_qpos, double* qpos);
   bool clear_between(const Model& m, int root_qpos, const double* from, const double* to);
 

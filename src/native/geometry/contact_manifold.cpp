@@ -12,13 +12,25 @@ namespace tune = tuning::geometry;
 
 namespace {
 
+// Every how many corners of a face are as good as all of them.
+size_t stride_of(const std::vector<FacePoint>& face) {
+  return (face.size() + tune::kFaceCorners - 1) / tune::kFaceCorners;
+}
+
+std::vector<FacePoint> thinned_out(const std::vector<FacePoint>& face) {
+  std::vector<FacePoint> out;
+  for (size_t k = 0; k < face.size(); k += stride_of(face)) out.push_back(face[k]);
+  return out;
+}
+
 // The plane of a near face, through its widest three corners, or the line of an edge.
 class FacePlane {
  public:
   explicit FacePlane(const std::vector<FacePoint>& face) : face_(face) {
     if (face.size() == 2) return;
-    for (size_t k = 1; k < face.size(); k++)
-      for (size_t l = k + 1; l < face.size(); l++) {
+    const size_t stride = stride_of(face);
+    for (size_t k = stride; k < face.size(); k += stride)
+      for (size_t l = k + stride; l < face.size(); l += stride) {
         const double area = cross2(face[0], face[k], face[l]);
         if (area > widest_) widest_ = area, i_ = k, j_ = l;
       }
@@ -71,7 +83,7 @@ int face_manifold(const PosedShape& a, const PosedShape& b, Vec3 n, double tol, 
   if (A.size() < 2 || B.size() < 2 || (A.size() == 2 && B.size() == 2)) return 0;
   const std::vector<FacePoint> face_a = A, face_b = B;
   if (B.size() == 2) std::swap(A, B);
-  A = clip(std::move(A), B);
+  A = clip(std::move(A), B.size() > tune::kFaceCorners ? thinned_out(B) : B);
   if (A.empty()) return 0;
   const std::vector<FacePoint> pick = spread_out(A, most);
   const FacePlane plane_a(face_a), plane_b(face_b);

@@ -30,20 +30,22 @@ namespace {
 // are a triangle, which has no other side.
 void drop_far_side(std::vector<FacePoint>& pts) {
   if (pts.size() < 2 || pts.size() == 3) return;
-  const auto [low, high] = std::minmax_element(
-      pts.begin(), pts.end(), [](FacePoint x, FacePoint y) { return x.height < y.height; });
-  const double aside = (high->height - low->height) / tune::kFarSide;  // no point farther along u
+  double low = pts[0].height;
+  for (FacePoint x : pts) low = std::min(low, x.height);
   std::sort(pts.begin(), pts.end(), [](FacePoint x, FacePoint y) { return x.u < y.u; });
   std::vector<FacePoint> kept;
   kept.reserve(pts.size());
-  size_t first = 0, end = 0;
-  for (FacePoint x : pts) {
-    while (pts[first].u < x.u - aside) first++;
-    while (end < pts.size() && pts[end].u <= x.u + aside) end++;
-    bool above = false;
-    for (size_t k = first; k < end && !above; k++)
-      above = x.height - pts[k].height >
-              tune::kFarSide * elementary::hypot(x.u - pts[k].u, x.v - pts[k].v);
+  for (size_t i = 0; i < pts.size(); i++) {
+    const FacePoint x = pts[i];
+    const double aside = (x.height - low) / tune::kFarSide;  // no point farther along u is below it
+    const auto is_above = [&](FacePoint y) {
+      return x.height - y.height > tune::kFarSide * elementary::hypot(x.u - y.u, x.v - y.v);
+    };
+    bool above = false;  // mostly of a point beside it
+    for (size_t k = i; k > 0 && !above && pts[k - 1].u >= x.u - aside; k--)
+      above = is_above(pts[k - 1]);
+    for (size_t k = i + 1; k < pts.size() && !above && pts[k].u <= x.u + aside; k++)
+      above = is_above(pts[k]);
     if (!above) kept.push_back(x);
   }
   pts = std::move(kept);

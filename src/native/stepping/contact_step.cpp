@@ -31,6 +31,7 @@ void ContactStep::begin(double h) {
   estimate_reach(h);
   system_.articulations.limits(system_.model, system_.world.active, data_.state.qpos.data(),
                                attempt.limits);
+  standing_.find(system_, data_, h);
 }
 
 // How far v* takes each shape, and some more: a contact can speed up what is slow now.
@@ -110,6 +111,7 @@ void ContactStep::settle(double h) {
   verification_.check_first(system_, data_, h);
   check_limits(system_, data_, h);
   ranges_.check(system_, data_, h);
+  standing_.look(system_, data_);
   data_.soft.choose_rules(system_, data_, h);
   data_.soft.look(system_, data_, h, true);
   bool open = false;
@@ -325,7 +327,14 @@ void ContactStep::solve(double h) {
   std::vector<Contact>& soft = data_.soft.rows();
   const size_t first_soft = attempt.contacts.size();
   attempt.contacts.insert(attempt.contacts.end(), soft.begin(), soft.end());
+  const size_t first_standing = attempt.contacts.size();
+  for (StandingRow& row : attempt.standing) {
+    row.contact.pair = (int)(attempt.candidates.size() + attempt.contacts.size());
+    attempt.contacts.push_back(row.contact);
+  }
   response_.solve(system_, data_, kinematic_, h);
+  for (size_t i = 0; i < attempt.standing.size(); i++)
+    attempt.standing[i].contact.impulse = attempt.contacts[first_standing + i].impulse;
   for (size_t i = 0; i < soft.size(); i++)
     soft[i].impulse = attempt.contacts[first_soft + i].impulse;
   cut_limits(contacts, h);

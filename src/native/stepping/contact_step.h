@@ -21,6 +21,7 @@
 #include "stepping/kinematic_bodies.h"
 #include "stepping/path_curvature.h"
 #include "stepping/restitution.h"
+#include "stepping/standing_friction.h"
 #include "stepping/verification.h"
 
 namespace hp {
@@ -60,6 +61,7 @@ class ContactStep {
   FrictionPlaces places_;
   Rebounds rebounds_;
   JointRanges ranges_;
+  StandingFriction standing_;
   std::vector<Twist> twists_;
   std::vector<double> fastest_, way_;  // per root body, per shape [m]
   std::vector<int> beyond_;            // shapes that moved farther than their planes hold

@@ -75,6 +75,13 @@ struct RangeRow {
   Contact contact;  // its row, which moves with `rates`
 };
 
+// Friction of somebody who stands on a movable thing (standing_friction.h).
+struct StandingRow {
+  int shape = 0, person = 0;  // shapes: the thing's, and the person's that presses on it
+  Vec3 sole;                  // how fast that goes along the ground [m/s]
+  Contact contact;            // on the thing alone, without a normal
+};
+
 // The contact problem of one attempt at a step.
 struct Attempt {
   std::vector<ContactCandidate> candidates;  // separating planes and pairs of shapes within reach
@@ -83,12 +90,14 @@ struct Attempt {
   std::vector<Contact> contacts;  // contact points
   std::vector<Contact> limits;    // rows of joint ranges, solved with the contacts
   std::vector<RangeRow> ranges;   // rows of people's joints, solved with the contacts
-  std::vector<double> reach;      // per shape: how far candidates are looked for [m]
-  std::vector<double> valid;      // per shape: how far they hold, at most that [m]
-  std::vector<char> violated;     // per candidate: the end pose misses its target
-  std::vector<double> excess;     // per candidate: its gap minus its target [m]
-  std::vector<char> relaxed;      // per root body: the clearance of its island has been given up
-  double worst = 0;               // the largest violation [m], negative
+  // Rows of things under people, likewise.
+  std::vector<StandingRow> standing;
+  std::vector<double> reach;   // per shape: how far candidates are looked for [m]
+  std::vector<double> valid;   // per shape: how far they hold, at most that [m]
+  std::vector<char> violated;  // per candidate: the end pose misses its target
+  std::vector<double> excess;  // per candidate: its gap minus its target [m]
+  std::vector<char> relaxed;   // per root body: the clearance of its island has been given up
+  double worst = 0;            // the largest violation [m], negative
   std::vector<IslandProgress> islands;  // per root body that names one
   size_t solved = 0;                    // number of contacts that the last solve knew
   bool good = true;  // no candidate is violated at the end pose: all have settled

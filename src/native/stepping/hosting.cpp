@@ -28,7 +28,9 @@ void Hosting::begin(System& system, Data& data, Aiming& aiming, Host& host, cons
   aiming.begin(system, data, targets, n * h);
   paths_.begin(system, data, n * h, data.probe.keep_pieces);
   free_ = true;
-  for (const Drive& d : system.drives) free_ &= !paths_.busy()[d.body(0)];
+  // Who stands on the host's things holds them, in substeps.
+  for (const Drive& d : system.drives)
+    free_ &= !paths_.busy()[d.body(0)] && !(d.footing.on() && d.footing.bearing.any());
   system.world.active.assign(system.model.nbody, 1);
   if (free_) return;
   paths_.make_all_busy(system.model);
@@ -189,14 +191,6 @@ void Hosting::give_back(const System& system, const Data& data) {
   }
 }
 
-// A shape of a body.
-int Hosting::shape_of(const System& system, int body) {
-  const std::vector<CollisionShape>& shapes = system.world.shapes;
-  for (size_t i = 0; i < shapes.size(); i++)
-    if (shapes[i].body == body) return (int)i;
-  return 0;
-}
-
 void Hosting::end(System& system, Data& data) {
   State& state = data.state;
   end_gentle_frame(system, state);
@@ -211,8 +205,7 @@ void Hosting::end(System& system, Data& data) {
   state.update_pose(system);
   host_->show(state.pose.kin);
   for (const StandingLoad::Pressing& p : pressing_)
-    data.result.points.push_back(
-        {shape_of(system, p.person), -1, p.shape, p.at, {0, 0, 1}, -h_ * p.force, 0});
+    data.result.points.push_back({p.person, -1, p.shape, p.at, {0, 0, 1}, -h_ * p.force, 0});
   auto push = [&](int shape, Vec3 at, Vec3 force) {
     const int body = shape < 0 ? 0 : system.world.shapes[shape].body;
     if (!host_->owns(body)) return;

@@ -46,7 +46,6 @@ class Hosting {
   void leave_paths(System& system, Data& data, int k);
   void move_all(System& system, Data& data);
   void make_substep(System& system, Data& data, Substep& substep, int k);
-  static int shape_of(const System& system, int body);
   void give_back(const System& system, const Data& data);
 
   Host* host_ = nullptr;

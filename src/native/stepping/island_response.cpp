@@ -11,7 +11,7 @@ void IslandResponse::solve(const System& system, Data& data, const KinematicBodi
   island_.clear();
   for (const Contact& c : attempt.contacts)
     island_.push_back(c.pair < (int)attempt.candidates.size() ? attempt.candidates[c.pair].island
-                                                              : data.islands.of_limit(system, c));
+                                                              : data.islands.of_row(system, c));
   chosen_.assign(system.model.nbody, 0);
   for (const int k : island_) chosen_[k] = attempt.islands[k].open();
   free_unheld(system, data);

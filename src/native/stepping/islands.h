@@ -54,6 +54,10 @@ class Islands {
   int of_limit(const System& system, const Contact& limit) const {
     return island_[system.model.root[system.model.dof_body[limit_dof(limit)]]];
   }
+  // The island of a row that has no candidate: of a joint's range, or on one body.
+  int of_row(const System& system, const Contact& row) const {
+    return row.a.count > 0 ? island_[system.model.root[row.a.body[0]]] : of_limit(system, row);
+  }
   const std::vector<int>& all() const { return island_; }
 
  private:

@@ -8,23 +8,6 @@ namespace hp {
 
 namespace {
 
-double weight(const System& system, const Drive& d) {
-  return system.model.carried[d.body(0)] * norm(system.gravity);
-}
-
-// Calls `act(i, body, share)` for whatever a person presses on with point i.
-template <class Act>
-void for_loads(const System& system, const Drive& d, Act act) {
-  const Bearing& bearing = d.footing.bearing;
-  if (weight(system, d) <= 0) return;
-  for (size_t i = 0; i < bearing.points.size(); i++) {
-    const BearingPoint& p = bearing.points[i];
-    if (p.shape < 0 || bearing.load(i) <= 0) continue;
-    const int body = system.world.shapes[p.shape].body;
-    if (!system.is_person(body) && system.world.active[body]) act(i, body, bearing.load(i));
-  }
-}
-
 // Adds the generalised impulse of an impulse `p` at `at` on a body.
 void push_body(const Model& m, const Kinematics& kin, int body, Vec3 at, Vec3 p, double* impulse) {
   const Vec3 turn = cross(at - kin.reference(m, body), p);
@@ -47,6 +30,14 @@ void free_response(const Model& m, int body, double* impulse) {
 
 }  // namespace
 
+int pressing_shape(const System& system, int body) {
+  const std::vector<CollisionShape>& shapes = system.world.shapes;
+  for (; body > 0; body = system.model.parent[body])
+    for (size_t i = 0; i < shapes.size(); i++)
+      if (shapes[i].body == body) return (int)i;
+  return 0;
+}
+
 void StandingLoad::wake(System& system, Data& data) const {
   std::vector<char> woken;
   for (const Drive& d : system.drives)
@@ -67,7 +58,7 @@ void StandingLoad::add(System& system, Data& data, double h) {
   for (Drive& d : system.drives) {
     if (!d.footing.on() || !d.footing.bearing.any()) continue;
     d.footing.bearing.advance(h);
-    const double push = h * weight(system, d);
+    const double push = h * weight_of(system, d);
     for_loads(system, d, [&](size_t i, int body, double share) {
       if (!any) impulse_.assign(model.nv, 0);
       any = true;
@@ -92,10 +83,11 @@ void StandingLoad::pressing(System& system, double h, std::vector<Pressing>& out
   for (Drive& d : system.drives) {
     if (!d.footing.on() || !d.footing.bearing.any()) continue;
     d.footing.bearing.advance(h);
-    const double force = weight(system, d);
+    const double force = weight_of(system, d);
     for_loads(system, d, [&](size_t i, int, double share) {
       const BearingPoint& p = d.footing.bearing.points[i];
-      out.push_back({p.shape, d.footing.model->bearing_body(i), p.at, {0, 0, -share * force}});
+      const int person = pressing_shape(system, d.footing.model->bearing_body(i));
+      out.push_back({p.shape, person, p.at, {0, 0, -share * force}});
     });
   }
 }
@@ -113,7 +105,7 @@ void StandingLoad::end_frame(System& system, const FrameResult& result, double d
       if (system.is_person(other) || system.model.pushed_dof(other) < 0) continue;
       up += first ? t.impulse.z : -t.impulse.z;
     }
-    const double most = weight(system, d) * dt;
+    const double most = weight_of(system, d) * dt;
     d.footing.bearing.contacts_pressed(most > 0 ? std::max(0.0, up) / most : 0, dt);
   }
 }

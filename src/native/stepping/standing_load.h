@@ -8,7 +8,8 @@
 //
 // on that thing alone, M^ with the springs and damping of articulated objects. What this makes things do, such as
 // pressing on the floor, is left to contacts. Static geometry takes its share and needs no force. The
-// person is not pushed: its legs carry it. Where contacts between a person and movable things
+// person is not pushed: its legs carry it. Friction at its soles is a matter of the contacts' solve
+// (standing_friction.h). Where contacts between a person and movable things
 // already press on them, the load is less by as much.
 #pragma once
 #include <vector>
@@ -16,6 +17,28 @@
 #include "stepping/data.h"
 
 namespace hp {
+
+// What a person presses down with if nothing else carries it [N].
+inline double weight_of(const System& system, const Drive& d) {
+  return system.model.carried[d.body(0)] * norm(system.gravity);
+}
+
+// A shape of the body, or of what it hangs on if it has none.
+int pressing_shape(const System& system, int body);
+
+// Calls `act(i, body, share)` for whatever movable thing a person presses on with point i of its bearing, with
+// that share of its weight.
+template <class Act>
+void for_loads(const System& system, const Drive& d, Act act) {
+  const Bearing& bearing = d.footing.bearing;
+  if (weight_of(system, d) <= 0) return;
+  for (size_t i = 0; i < bearing.points.size(); i++) {
+    const BearingPoint& p = bearing.points[i];
+    if (p.shape < 0 || bearing.load(i) <= 0) continue;
+    const int body = system.world.shapes[p.shape].body;
+    if (!system.is_person(body) && system.world.active[body]) act(i, body, bearing.load(i));
+  }
+}
 
 class StandingLoad {
  public:
@@ -27,7 +50,7 @@ class StandingLoad {
   // world that another engine moves (hosting.h), which adds it to its forces itself.
   struct Pressing {
     int shape;   // of the thing
-    int person;  // the body of the person that presses
+    int person;  // and that of the person that presses
     Vec3 at;
     Vec3 force;  // on the thing [N]
   };

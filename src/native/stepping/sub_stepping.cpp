@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "collision/relative_travel.h"
+#include "stepping/standing_friction.h"
 #include "tuning.h"
 
 namespace hp {
@@ -249,6 +250,7 @@ void SubStepping::record(double h, const std::vector<double>& share) {
     data_.result.add(k, c);
   }
   data_.soft.record(system_, data_, h, share);
+  StandingFriction::record(system_, data_, share);
 }
 
 // Islands found their shares each by itself: are all active trees clear at the least of these, too? What is

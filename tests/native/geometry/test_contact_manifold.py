@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import trimesh
 
 from halfphysics.base import rotations as rot
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane
@@ -72,6 +73,20 @@ def test_thin_things_fall_flat(name, on):
         position, tilt = rest(scene, 2.0)
         assert tilt < FLAT
         assert position[2] == pytest.approx(TABLE + GAP + thickness / 2, abs=LANDED)
+
+
+@pytest.mark.parametrize("thickness", [0.0015, 0.01])
+@pytest.mark.parametrize("sides", [129, 1000])
+def test_a_pile_of_discs_with_many_sides(sides, thickness):
+    """Of their corners some are enough: the upper one stands over the lower one's edge."""
+    disc = trimesh.creation.cylinder(0.0125, thickness, sections=sides)
+    scene = table("object")
+    for k, x in enumerate((0.1, 0.106)):
+        at = np.array([x, 0.05, TABLE + (k + 1) * GAP + (k + 0.5) * thickness])
+        scene.add_object(f"disc{k}", disc, mass=0.01, position=at)
+    position, tilt = rest(scene, 0.5)
+    assert np.abs(position - at).max() < STILL
+    assert tilt < STILL
 
 
 def test_a_pile_of_cards_and_coins():

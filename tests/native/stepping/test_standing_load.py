@@ -4,33 +4,8 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
-from halfphysics.metrics.airborne import centre_of_mass
 from support.as_it_is import as_it_is
-
-BODY = hp.Body.default()
-WEIGHT = as_it_is(weight=True)
-G = 9.81
-
-
-def standing(frames=90, fps=60.0, at=(0.0, 0.0), top=0.0, body=BODY):
-    """Somebody who stands with bent knees at `at`, turned to -y, on the height `top` [m]."""
-    rotations = np.zeros((frames, 55, 3))
-    rotations[:, 0] = [np.pi / 2, 0.0, 0.0]
-    for side in ("left", "right"):
-        for joint, bend in (("hip", -0.5), ("knee", 1.0), ("ankle", -0.5)):
-            rotations[:, hp.JOINT_NAMES.index(f"{side}_{joint}"), 0] = bend
-    for side, turn in (("left", -1.2), ("right", 1.2)):  # arms down
-        rotations[:, hp.JOINT_NAMES.index(f"{side}_shoulder"), 2] = turn
-    motion = hp.Motion(np.zeros((frames, 3)), rotations, fps)
-    low = body.vertices(motion[0])[:, 2].min()
-    centre = centre_of_mass(motion, body)[0]
-    offset = np.array([at[0] - centre[0], at[1] - centre[1], top + 0.0012 - low])
-    return motion.with_frames(motion.translation + offset, rotations)
-
-
-def mass(body=BODY):
-    """Of a person [kg]."""
-    return hp.simulate(standing(3, body=body), hp.Scene(), body=body).people[0].support.mass
+from support.bent_knees import BODY, WEIGHT, G, mass, standing
 
 
 def scale(stiffness=2e5, platform=5.0):
@@ -46,10 +21,11 @@ def seesaw(damping=40.0):
     <geom type="box" size="1.5 .3 .025" mass="20"/></body></worldbody></mujoco>"""
 
 
-def plank(*people, frames=90, damping=40.0):
+def plank(*people, frames=90, damping=40.0, friction=0.0):
     """The angle of a seesaw over time; `people`: where along it they stand [m]."""
     scene = hp.Scene()
     scene.add_articulated("seesaw", seesaw(damping))
+    scene.friction("person", "seesaw", friction)
     motions = [standing(frames, at=(x, 0.0)) for x in people]
     return hp.simulate(motions, scene, body=[BODY] * len(people), settings=WEIGHT).joints[
         "seesaw/hinge"
@@ -94,12 +70,15 @@ def test_a_seesaw_tilts_to_the_heavier_moment_and_balances_at_equal_ones():
     assert np.abs(plank(-0.6, 0.6)).max() < 0.01
 
 
-def test_the_moment_is_that_of_the_centre_of_mass():
-    """How a hinge with much damping starts to turn: m g x / damping."""
+@pytest.mark.parametrize("friction", [0.0, 0.6])
+def test_the_moment_is_that_of_the_centre_of_mass(friction):
+    """How a hinge with much damping starts to turn, soles that stay where they are 25 mm above it:
+    m g (x - 0.025 mu) / damping.
+    """
     damping, x = 4e4, 0.6
-    angle = plank(x, damping=damping, frames=60)
+    angle = plank(x, damping=damping, frames=60, friction=friction)
     speed = np.diff(angle)[20:].mean() * 60.0
-    assert speed == pytest.approx(mass() * G * x / damping, rel=0.02)
+    assert speed == pytest.approx(mass() * G * (x - 0.025 * friction) / damping, rel=0.02)
 
 
 def slide(person, speed=2.0, box_mass=20.0):
@@ -110,6 +89,7 @@ def slide(person, speed=2.0, box_mass=20.0):
         "box", hp.Box((1.6, 1.6, 0.1)), mass=box_mass, position=(0, 0, 0.0501), friction=0.5
     )
     scene.friction("floor", "box", 0.5)
+    scene.friction("person", "box", 0.0)
     fps = 240.0
     motion = standing(100, fps, at=(0.0 if person else 5.0, 0.0), top=0.1)
     sim = hp.Simulator(scene, body=BODY, fps=fps, settings=WEIGHT)

@@ -60,6 +60,17 @@ void where_nothing_is_in_between_it_goes_straight() {
   CHECK(next.x == to.x && next.y == to.y && !way.on());
 }
 
+// Whoever is a hundred metres away and more is not walked back: what is in between is not looked at.
+void what_is_very_far_is_gone_to_straight() {
+  const Vec3 lo{-0.4, -0.8, 0}, hi{0.4, 0.8, 0.75};
+  const hp::CollisionWorld world = world_of({box(lo, hi, false)});
+  for (double far : {150.0, 1e9}) {
+    hp::WayRound way;
+    const Vec3 to{far, 0.1, 0}, next = way.next(world, {-1.2, 0.2, 0}, to, 0, kDt);
+    CHECK(next.x == to.x && next.y == to.y && !way.on());
+  }
+}
+
 void what_one_steps_over_or_walks_under_is_not_in_the_way() {
   const hp::CollisionWorld step = world_of({box({-0.4, -0.8, 0}, {0.4, 0.8, 0.2}, false)});
   hp::WayRound over, under;
@@ -109,6 +120,7 @@ void saved_and_loaded_it_goes_on() {
 int main() {
   a_table_is_gone_round_with_room_for_the_body();
   where_nothing_is_in_between_it_goes_straight();
+  what_is_very_far_is_gone_to_straight();
   what_one_steps_over_or_walks_under_is_not_in_the_way();
   who_stands_at_a_thing_leaves_it();
   where_there_is_no_way_it_goes_as_near_as_it_can();

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from halfphysics.base import rotations as rot
-from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane
+from halfphysics.geometry.shapes import Box, Cylinder, Plane
 from halfphysics.scene.scene import Scene
 from halfphysics.simulation.simulator import Simulator
 from support.spins import GAP
@@ -99,16 +99,6 @@ def test_a_pile_of_cards_and_coins():
     position, tilt = rest(scene, 1.0)
     assert tilt < FLAT
     assert position[2] == pytest.approx(at[2], abs=LANDED)
-
-
-@pytest.mark.parametrize("length", [0.0003, 0.0015])
-def test_an_edge_along_the_normal_is_a_point(length):
-    """Both ends of a short upright capsule are near, at one place: heights stay finite."""
-    scene = table("object")
-    at = np.array([0.1, 0.05, TABLE + GAP + 0.02 + length / 2])
-    scene.add_object("thing", Capsule(0.02, length), mass=0.1, position=at)
-    position, _ = rest(scene, 0.1)
-    assert np.abs(position - at).max() < STILL
 
 
 @pytest.mark.parametrize("on", ["static", "object"])

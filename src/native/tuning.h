@@ -88,8 +88,9 @@ constexpr double kBoundRounding = 1e-9;
 
 // Corners of a face nearer than this are one [m]; twice the area of three corners on a line [m^2].
 constexpr double kSameCorner = 1e-9, kStraight = 1e-12;
-// Of a face with more corners than this every second, third, ... is looked at: of a disc of a thousand sides these
-// leave out 0.03 % of its radius, and pairs of corners are too many to compare.
+// Of a face with more corners than this those are looked at between which it turns by as much as from corner to
+// corner of a regular one with so many, and no others: pairs are too many to compare. Of a round face they leave
+// out 0.12 % of its radius at most.
 constexpr size_t kFaceCorners = 128;
 // Of a shape that is thin as a whole what is higher than this times how far it is aside of another point [-] is
 // its far side: 42 degrees, so that corners of a square bar that lies on an edge are, whatever their last bit.
@@ -711,9 +712,10 @@ constexpr double kVelocityRounding = 1e-9, kImpulseRounding = 1e-9;
 constexpr double kLeastYieldRate = 1e-3, kYieldTolerance = 0.02;
 constexpr int kYieldRounds = 60;
 constexpr double kYieldOverRelaxation = 1.5, kRigidResistance = 1e10;
-// What stands on a movable thing within so much of one point [m] does not hold it from turning; and a thing that
-// would pass under it by less than this [m/s] need not be solved for: 0.01 mm in a second.
-constexpr double kStandingPoint = 1e-3, kStandingSlip = 1e-5;
+// What stands on a movable thing within so much of one point [m] does not hold it from turning; a thing that
+// would pass under it by less than this [m/s] need not be solved for: 0.01 mm in a second. Points that carry less
+// than this of a person's weight hold nothing: far from where it presses shares go down to 1e-300.
+constexpr double kStandingPoint = 1e-3, kStandingSlip = 1e-5, kStandingShare = 1e-6;
 // No object leaves contacts faster than this many times the fastest point of all else in its island, or than
 // so much [m/s]: a gram under a sliding tonne left at 49 m/s (squeezed.h).
 constexpr double kSqueezeFactor = 10, kLeastSqueezeSpeed = 2;

@@ -96,7 +96,7 @@ struct Contact {
   double friction = 0, restitution = 0;
   double bounce = -1e300;  // v_n demanded by restitution [m/s], second pass
   double rebound = 0;      // what of it is thrown back, not kept [m/s]
-  // Of a soft layer: the row is w_n + compliance p_n >= yielding instead, so that p_n = (yielding - w_n)/compliance
+  // Of a soft layer, and of what stands on a thing (stepping/standing_friction.h): the row is w_n + compliance p_n >= yielding instead, so that p_n = (yielding - w_n)/compliance
   // where that pushes; 0: hard.
   double compliance = 0;  // [1/kg]
   double yielding = 0;    // [m/s]

@@ -70,16 +70,17 @@ void spread_weight(const std::vector<BearingPoint>& points, Vec3 centre,
   }
 }
 
-// What did not carry in the frame before has no place yet that it comes from.
+// What begins to carry has no place yet that it comes from; what ends to keeps its velocity while it has load.
 void Bearing::find_velocities(double dt) {
   before_.resize(points.size());
   for (size_t i = 0; i < points.size(); i++) {
     BearingPoint& p = points[i];
     Before& before = before_[i];
     const bool carries = p.carries > 0;
-    if (carries && before.carried && dt > 0)
-      p.velocity = {(p.at.x - before.x) / dt, (p.at.y - before.y) / dt, 0};
-    before = carries ? Before{true, p.at.x, p.at.y} : Before{};
+    p.timed = carries ? before.carried && dt > 0 : before.timed;
+    p.velocity = before.velocity;
+    if (carries && p.timed) p.velocity = {(p.at.x - before.x) / dt, (p.at.y - before.y) / dt, 0};
+    before = {carries, p.timed, p.at.x, p.at.y, p.velocity};
   }
 }
 
@@ -142,7 +143,8 @@ void Bearing::save(size_t count, std::vector<double>& out) const {
   for (size_t i = 0; i < count; i++) out.push_back(i < load_.size() ? load_[i] : 0);
   for (size_t i = 0; i < count; i++) {
     const Before b = i < before_.size() ? before_[i] : Before{};
-    out.insert(out.end(), {b.carried ? 1.0 : 0.0, b.x, b.y});
+    out.insert(out.end(),
+               {b.carried ? 1.0 : 0.0, b.timed ? 1.0 : 0.0, b.x, b.y, b.velocity.x, b.velocity.y});
   }
 }
 
@@ -152,7 +154,8 @@ const double* Bearing::restore(size_t count, const double* in) {
   load_.assign(in, in + count);
   target_.assign(count, 0);
   in += count;
-  for (size_t i = 0; i < count; i++, in += 3) before_.push_back({in[0] != 0, in[1], in[2]});
+  for (size_t i = 0; i < count; i++, in += 6)
+    before_.push_back({in[0] != 0, in[1] != 0, in[2], in[3], {in[4], in[5], 0}});
   return in;
 }
 

@@ -26,7 +26,10 @@ struct BearingPoint {
   int shape = -1;         // that surface's, if it can be moved; -1: static geometry, or none
   double carries = 0;     // 0: not at all
   bool on_layer = false;  // what carries is soft: contacts do (on_layers.h)
-  Vec3 velocity;          // of the point along the ground, where it is put [m/s]
+  // How fast the point goes along the ground where it is put [m/s], and whether that is known: it is that of
+  // the last two frames in which it carried.
+  Vec3 velocity;
+  bool timed = false;
 };
 
 // The shares of `points` for a person whose centre of mass is over `centre`, into `share`; all zero
@@ -56,10 +59,11 @@ class Bearing {
   const double* restore(size_t count, const double* in);
 
  private:
-  // A point in the frame before: whether it carried, and then where.
+  // A point in the frame before: whether it carried, and then where; and its velocity.
   struct Before {
-    bool carried = false;
+    bool carried = false, timed = false;
     double x = 0, y = 0;
+    Vec3 velocity;
   };
   void find_velocities(double dt);
 

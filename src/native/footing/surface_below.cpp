@@ -11,7 +11,21 @@ SurfaceBelow::SurfaceBelow(const CollisionWorld& world, const char* own) : world
   point_.vertices = {{}};
   point_.finish();
   for (int i = 0; i < (int)world_.shapes.size(); i++)
-    if (world_.shapes[i].person < 0 && !(own && own[world_.shapes[i].body])) objects_.push_back(i);
+    if (world_.shapes[i].person < 0 && !(own && own[world_.shapes[i].body]) &&
+        !passes(own, world_.shapes[i].name))
+      objects_.push_back(i);
+  for (const Static& s : world_.statics) ghost_.push_back(passes(own, s.name));
+}
+
+// Does every part of the person ignore what has this name?
+bool SurfaceBelow::passes(const char* own, int name) const {
+  bool any = false;
+  for (const CollisionShape& part : world_.shapes) {
+    if (!own || part.person < 0 || !own[part.body]) continue;
+    if (!world_.pairing(part.name, name).ignore) return false;
+    any = true;
+  }
+  return any;
 }
 
 // Falls towards the shape: a step to the plane that separates it, again and again. Exact for a face
@@ -43,7 +57,9 @@ void SurfaceBelow::meet(const PosedShape& shape, int number, double layer, Vec3 
 
 Surface SurfaceBelow::find_static(Vec3 x, double step, double depth) {
   Surface best{x.z - depth, -1, 0, false};
-  for (const Static& s : world_.statics) {
+  for (size_t k = 0; k < world_.statics.size(); k++) {
+    const Static& s = world_.statics[k];
+    if (ghost_[k]) continue;
     if (s.kind == Static::Kind::HalfSpace) {
       if (s.n.z < tune::kSteep) continue;
       const double z = (s.offset - s.n.x * x.x - s.n.y * x.y) / s.n.z;

@@ -20,8 +20,8 @@ struct Surface {
 
 class SurfaceBelow {
  public:
-  // `own`: bodies of the person who stands, and what it holds, are no ground (one for each of the model's);
-  // nullptr: none.
+  // `own`: bodies of the person who stands, and what it holds, are no ground (one for each of the model's), nor is
+  // what all of it passes through; nullptr: everything is but people.
   explicit SurfaceBelow(const CollisionWorld& world, const char* own = nullptr);
   // The highest surface under `x`, at most `depth` under it [m]. `poses` has the objects.
   Surface find(Poses& poses, Vec3 x, double step, double depth);
@@ -31,11 +31,13 @@ class SurfaceBelow {
   Surface find_static(Vec3 x, double step, double depth);
 
  private:
+  bool passes(const char* own, int name) const;
   bool wide(Vec3 x, double height);
   void meet(const PosedShape& shape, int number, double layer, Vec3 x, double above, Surface& best);
 
   const CollisionWorld& world_;
   std::vector<int> objects_;  // shapes that are no person's
+  std::vector<char> ghost_;   // per static: the person passes through it
   Convex point_;
   PosedShape probe_;
 };

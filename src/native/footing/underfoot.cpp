@@ -100,7 +100,7 @@ double Underfoot::highest() const {
 
 double Underfoot::least_height(const CollisionWorld& world, const FootingModel& model,
                                const Stance& stance, Vec3 by, bool hands) {
-  SurfaceBelow below(world);
+  SurfaceBelow below(world, stance.own());
   double least = -1e300;
   auto look = [&](Vec3 x) {
     const Surface s = below.find_static(x + by, tune::kNotSunk, tune::kDeep);

@@ -12,26 +12,32 @@ namespace tune = tuning::geometry;
 
 namespace {
 
-// Every how many corners of a face are as good as all of them.
-size_t stride_of(const std::vector<FacePoint>& face) {
-  return (face.size() + tune::kFaceCorners - 1) / tune::kFaceCorners;
-}
-
-std::vector<FacePoint> thinned_out(const std::vector<FacePoint>& face) {
+// The corners of a convex polygon that say where it is: all, or those at which it has turned far enough.
+std::vector<FacePoint> main_corners(const std::vector<FacePoint>& face) {
+  if (face.size() <= tune::kFaceCorners) return face;
+  const double enough = 2 * M_PI / tune::kFaceCorners;
   std::vector<FacePoint> out;
-  for (size_t k = 0; k < face.size(); k += stride_of(face)) out.push_back(face[k]);
+  double turned = 2 * M_PI;
+  const size_t n = face.size();
+  for (size_t k = 0; k < n; k++) {
+    const FacePoint &p = face[(k + n - 1) % n], &q = face[k], &r = face[(k + 1) % n];
+    const double au = q.u - p.u, av = q.v - p.v, bu = r.u - q.u, bv = r.v - q.v;
+    turned += elementary::atan2(au * bv - av * bu, au * bu + av * bv);
+    if (turned < enough) continue;
+    out.push_back(q);
+    turned = 0;
+  }
   return out;
 }
 
 // The plane of a near face, through its widest three corners, or the line of an edge.
 class FacePlane {
  public:
-  explicit FacePlane(const std::vector<FacePoint>& face) : face_(face) {
+  explicit FacePlane(const std::vector<FacePoint>& face) : face_(main_corners(face)) {
     if (face.size() == 2) return;
-    const size_t stride = stride_of(face);
-    for (size_t k = stride; k < face.size(); k += stride)
-      for (size_t l = k + stride; l < face.size(); l += stride) {
-        const double area = cross2(face[0], face[k], face[l]);
+    for (size_t k = 1; k < face_.size(); k++)
+      for (size_t l = k + 1; l < face_.size(); l++) {
+        const double area = cross2(face_[0], face_[k], face_[l]);
         if (area > widest_) widest_ = area, i_ = k, j_ = l;
       }
   }
@@ -50,7 +56,7 @@ class FacePlane {
   }
 
  private:
-  const std::vector<FacePoint>& face_;
+  const std::vector<FacePoint> face_;
   size_t i_ = 1, j_ = 2;
   double widest_ = 0;
 };
@@ -83,7 +89,7 @@ int face_manifold(const PosedShape& a, const PosedShape& b, Vec3 n, double tol, 
   if (A.size() < 2 || B.size() < 2 || (A.size() == 2 && B.size() == 2)) return 0;
   const std::vector<FacePoint> face_a = A, face_b = B;
   if (B.size() == 2) std::swap(A, B);
-  A = clip(std::move(A), B.size() > tune::kFaceCorners ? thinned_out(B) : B);
+  A = clip(std::move(A), main_corners(B));
   if (A.empty()) return 0;
   const std::vector<FacePoint> pick = spread_out(A, most);
   const FacePlane plane_a(face_a), plane_b(face_b);

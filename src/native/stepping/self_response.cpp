@@ -7,7 +7,7 @@ namespace hp {
 namespace tune = tuning::stepping;
 
 bool SelfResponse::is_own(const System& system, const Attempt& attempt, const Contact& c) const {
-  if (c.pair >= (int)attempt.candidates.size()) return false;  // a row of a joint's range
+  if (c.pair >= (int)attempt.candidates.size()) return false;  // no candidate's row
   const ContactCandidate& k = attempt.candidates[c.pair];
   return k.other_shape >= 0 && system.tree(k.shape) == system.tree(k.other_shape);
 }

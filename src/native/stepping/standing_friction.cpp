@@ -25,6 +25,7 @@ void StandingFriction::collect(const System& system, const Drive& d) {
   const auto each = [&](const auto& act) {
     for_loads(system, d, [&](size_t i, int, double share) {
       const BearingPoint& point = d.footing.bearing.points[i];
+      if (!point.timed || share < tune::kStandingShare) return;
       act(patch(point.shape, d.footing.model->bearing_body(i)), point, share * weight);
     });
   };
@@ -41,13 +42,12 @@ void StandingFriction::collect(const System& system, const Drive& d) {
   });
 }
 
-void StandingFriction::add_rows(const System& system, const Patch& patch, double h,
+void StandingFriction::add_rows(const System& system, const Patch& patch, double h, double whole,
                                 std::vector<StandingRow>& rows) {
   const World& world = system.world;
   const int person = pressing_shape(system, patch.body);
-  const double friction =
-      world.pairing(world.shapes[person].name, world.shapes[patch.shape].name).friction;
-  if (friction <= 0) return;
+  const Pairing& pairing = world.pairing(world.shapes[person].name, world.shapes[patch.shape].name);
+  if (pairing.friction <= 0 || pairing.ignore) return;
   const double moment = patch.xx + patch.yy, radius = std::sqrt(moment / patch.force);
   const bool wide = radius > tune::kStandingPoint;
   const double angle = 0.5 * elementary::atan2(2 * patch.xy, patch.xx - patch.yy);
@@ -65,9 +65,9 @@ void StandingFriction::add_rows(const System& system, const Patch& patch, double
     c.position = c.at_a = c.at_b = patch.at + r;
     c.a = Endpoint::rigid(world.shapes[patch.shape].body, c.position);
     c.curve = (-1 / h) * row.sole;  // so far the sole goes meanwhile
-    c.friction = friction;
+    c.friction = pairing.friction;
     c.compliance = 1;
-    c.yielding = h * patch.force * (wide ? 0.5 : 1);
+    c.yielding = whole * patch.force * (wide ? 0.5 : 1);
     rows.push_back(row);
   }
 }
@@ -75,10 +75,12 @@ void StandingFriction::add_rows(const System& system, const Patch& patch, double
 void StandingFriction::find(const System& system, Data& data, double h) {
   std::vector<StandingRow>& rows = data.attempt.standing;
   rows.clear();
+  // What goes on after a part of its step has the friction of all of it.
+  if (data.step.gravity_time == 0) return;
   for (const Drive& d : system.drives) {
     if (!d.footing.on() || !d.footing.bearing.any()) continue;
     collect(system, d);
-    for (const Patch& p : patches_) add_rows(system, p, h, rows);
+    for (const Patch& p : patches_) add_rows(system, p, h, data.step.length, rows);
   }
 }
 

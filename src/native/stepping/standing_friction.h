@@ -2,7 +2,7 @@
 //
 // As its weight (standing_load.h), this acts on the thing alone: the person is where its motion and its
 // legs have it. How much it presses with is known, so friction's bound is, too (Tresca's law): at each
-// point, per substep of length h, an impulse p along the ground with
+// point whose speed is known (footing/bearing.h), per substep of length h, an impulse p along the ground with
 //
 //   |p| <= mu N h,   and where the thing still moves past the sole, p = -mu N h w/|w|,
 //
@@ -22,7 +22,8 @@ namespace hp {
 
 class StandingFriction {
  public:
-  // Rows for an attempt at a step of length h [s], into attempt.standing.
+  // Rows for an attempt at a step of length h [s], into attempt.standing: as gravity and weight, with all of the
+  // substep's in whatever part of it is tried first, and with none after one is made.
   void find(const System& system, Data& data, double h);
   // Islands in which a thing would slip under somebody at v* are to be solved.
   void look(const System& system, Data& data);
@@ -40,7 +41,7 @@ class StandingFriction {
   };
   Patch& patch(int shape, int body);
   void collect(const System& system, const Drive& d);
-  static void add_rows(const System& system, const Patch& patch, double h,
+  static void add_rows(const System& system, const Patch& patch, double h, double whole,
                        std::vector<StandingRow>& rows);
 
   std::vector<Patch> patches_;

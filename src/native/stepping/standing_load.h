@@ -23,7 +23,7 @@ inline double weight_of(const System& system, const Drive& d) {
   return system.model.carried[d.body(0)] * norm(system.gravity);
 }
 
-// A shape of the body, or of what it hangs on if it has none.
+// A shape of a person's body, or of what it hangs on if it has none; 0 if nothing of it has any.
 int pressing_shape(const System& system, int body);
 
 // Calls `act(i, body, share)` for whatever movable thing a person presses on with point i of its bearing, with

@@ -27,7 +27,7 @@ bool UntouchedJoints::release(const System& system, const Attempt& attempt,
   for (const ContactCandidate& c : attempt.candidates)
     if (system.self_overlap(c)) for_each_pushed(system, c, touch);
   for (const Contact& c : attempt.contacts) {
-    // Rows of joint ranges have no candidate.
+    // Rows of joint ranges and of who stands on things have no candidate.
     if (norm2(c.impulse) == 0 || c.pair >= (int)attempt.candidates.size()) continue;
     for_each_pushed(system, attempt.candidates[c.pair], touch);
   }

@@ -96,11 +96,30 @@ void of_many_corners_some_are_enough(int sides) {
   CHECK_NEAR(highest, std::sqrt(radius * radius - aside * aside / 4), 0.05 * radius);
 }
 
+// Lone corners are kept, however many a round end has.
+void a_plank_with_a_round_end_keeps_its_square_one() {
+  std::vector<Vec3> corners{{-0.3, 0.1, 0}, {-0.3, -0.1, 0}};
+  for (int k = 0; k <= 200; k++) {
+    const double angle = M_PI * (k / 200.0 - 0.5);
+    corners.push_back({0.3 + 0.1 * std::cos(angle), 0.1 * std::sin(angle), 0});
+  }
+  const Convex plank = prism(corners, 0.02), cube = box(0.1, 0.4, 0.02);
+  const PosedShape a = posed(cube, {-0.3, 0, 0.0105}), b = posed(plank, {0, 0, -0.01});
+  Vec3 pa[kMost], pb[kMost];
+  const int n = hp::face_manifold(a, b, kUp, kNear, kMost, pa, pb);
+  CHECK(n == 4);
+  for (int k = 0; k < n; k++) {
+    CHECK(std::fabs(pb[k].x + 0.3) < kExact || std::fabs(pb[k].x + 0.25) < kExact);
+    CHECK_NEAR(std::fabs(pb[k].y), 0.1, kExact);
+  }
+}
+
 }  // namespace
 
 int main() {
   two_boxes_meet_in_the_rectangle_that_they_share();
   an_edge_along_the_normal_has_the_height_of_its_lower_end();
   for (int sides : {16, 128, 129, 1000, 4001}) of_many_corners_some_are_enough(sides);
+  a_plank_with_a_round_end_keeps_its_square_one();
   return check::report("contact_manifold");
 }

@@ -7,6 +7,7 @@ import halfphysics as hp
 from halfphysics.base import rotations as rot
 from support.as_it_is import as_it_is
 from support.bent_knees import BODY, WEIGHT, G, mass, standing
+from support.real_clips import real_clip
 
 FPS = 240.0
 TOP = 0.05  # of the boards [m]
@@ -22,6 +23,11 @@ def board(friction, floor=0.0, size=1.6, board_mass=20.0):
     scene.friction("floor", "board", floor)
     scene.friction("person", "board", friction)
     return scene
+
+
+def placed(motion, up):
+    """The same, so much higher [m]."""
+    return motion.with_frames(motion.translation + np.array([0.0, 0.0, up]), motion.rotations)
 
 
 def set_off(scene, velocity, frames, motion, spin=(0.0, 0.0, 0.0), settings=WEIGHT):
@@ -123,6 +129,93 @@ def test_a_turntable_stops_under_who_stands_on_its_axis():
     # Feet are 0.1 to 0.25 m from the axis.
     assert 0.1 < slowing * inertia / (mu * mass() * G) < 0.25
     assert np.abs(turning[-60:]).max() < 1e-6
+
+
+@pytest.mark.parametrize("fps", [30.0, 60.0, 240.0])
+def test_soles_that_come_down_and_leave_do_not_hold_what_goes_along(fps):
+    """What a point bears before it has a speed, and while it loses its load, is no brake."""
+    speed, count = 0.12, int(1.5 * fps)
+    motion = standing(count, fps, top=TOP)
+    time = np.arange(count) / fps
+    way = np.stack([speed * time, 0.0 * time, 2.0 * np.maximum(time - 1.0, 0.0)], axis=1)
+    motion = motion.with_frames(motion.translation + way, motion.rotations)
+    sim = hp.Simulator(board(0.5), body=BODY, fps=fps, settings=WEIGHT)
+    sim.reset(motion[0])
+    sim.set_velocity("board", (speed, 0.0, 0.0))
+    for t in range(1, count):
+        sim.step(motion[t])
+        assert sim.velocity("board")[0][0] == pytest.approx(speed, abs=1e-6)
+
+
+@pytest.mark.parametrize("fps", [60.0, 120.0])
+def test_a_recorded_walk_over_a_board(fps):
+    """Points before and behind it carry 1e-300 of the weight: nothing is divided by that."""
+    clip = real_clip("asap_walk1.npz").resample(fps)
+    low = BODY.vertices(clip[:2])[0, :, 2].min()
+    motion = placed(clip, TOP + 1.3e-3 - low)
+    scene = board(0.6, floor=0.6, size=6.0, board_mass=60.0)
+    result = hp.simulate(motion, scene, body=BODY, settings=WEIGHT)
+    # Friction of the floor, with the board's own weight besides, is the stronger one.
+    went = result.objects["board"].position - result.objects["board"].position[0]
+    assert np.abs(went).max() < 1e-3
+
+
+def test_who_leans_over_the_edge_of_its_feet_breaks_nothing():
+    """At some angles a patch is left with 1e-310 of the weight."""
+    for lean in (*np.arange(-0.4, 0.4, 0.04), 0.324, 0.328):
+        motion = standing(12, 120.0, top=TOP)
+        rotations = motion.rotations.copy()
+        rotations[:, 0, 0] += lean
+        for side in ("left", "right"):
+            rotations[:, hp.JOINT_NAMES.index(f"{side}_ankle"), 0] -= lean
+        motion = motion.with_frames(motion.translation, rotations)
+        low = BODY.vertices(motion[:2])[0, :, 2].min()
+        motion = placed(motion, TOP + 0.0012 - low)
+        sim = hp.Simulator(board(0.3, size=3.0), body=BODY, fps=120.0, settings=WEIGHT)
+        sim.reset(motion[0])
+        sim.set_velocity("board", (0.1, 0.0, 0.0))
+        for t in range(1, 12):
+            position, turn = sim.step(motion[t]).objects["board"]
+        assert np.isfinite(position).all()
+        assert np.isfinite(turn).all()
+
+
+def test_what_a_person_passes_through_is_neither_held_nor_stood_on():
+    scene = board(0.5)
+    scene.ignore("person", "board")
+    motion = standing(140, FPS, top=TOP)
+    path = set_off(scene, (0.3, 0.0, 0.0), 60, motion)
+    speed = np.diff([pose[0][0] for pose in path]) * FPS
+    np.testing.assert_allclose(speed, 0.3, atol=1e-6)
+    result = hp.simulate(motion, scene, body=BODY, settings=WEIGHT)
+    # It stands on the floor under it.
+    assert result.motion.translation[-1, 2] - motion.translation[-1, 2] == pytest.approx(
+        -TOP, abs=0.005
+    )
+
+
+def test_steps_that_are_cut_short_have_the_friction_of_a_whole_one():
+    """At most: light things fall fast, the solver is given little to do, and time is lost."""
+    rng = np.random.default_rng(1)
+    mu, heavy, fps = 0.02, 200.0, 15.0
+    scene = board(mu, size=4.0, board_mass=heavy)
+    for k in range(30):
+        at = np.array([1.2, 0.0, 0.3 + 0.12 * (k // 2)]) + rng.uniform(-0.15, 0.15, 3)
+        shape = (hp.Box((0.3, 0.02, 0.02)), hp.Sphere(0.03), hp.Box((0.1, 0.1, 0.1)))[k % 3]
+        scene.add_object(f"thing{k}", shape, mass=0.05, position=at, velocity=(0.0, 0.0, -12.0))
+        scene.friction(f"thing{k}", "board", 0.0)
+    settings = as_it_is(weight=True, substeps=1, max_sweeps=1)
+    motion = standing(60, fps, top=TOP)
+    sim = hp.Simulator(scene, body=BODY, fps=fps, settings=settings)
+    sim.reset(motion[0])
+    sim.set_velocity("board", (2.0, 0.0, 0.0))
+    most, before, shortened = mu * mass() * G / (heavy * fps), 2.0, 0
+    for t in range(1, 40):
+        shortened += int(sim.step(motion[t]).diagnostics["shortened"])
+        now = sim.velocity("board")[0][0]
+        assert before - now < 1.001 * most
+        before = now
+    assert shortened
 
 
 def test_soles_that_creep_take_a_board_along():

@@ -716,6 +716,9 @@ constexpr double kYieldOverRelaxation = 1.5, kRigidResistance = 1e10;
 // would pass under it by less than this [m/s] need not be solved for: 0.01 mm in a second. Points that carry less
 // than this of a person's weight hold nothing: far from where it presses shares go down to 1e-300.
 constexpr double kStandingPoint = 1e-3, kStandingSlip = 1e-5, kStandingShare = 1e-6;
+// Friction of who stands is whole where its nearest point is up to the first gap above the thing, and none from the
+// second on [m]: who sat down drew a chair on wheels by 6 mm before touching it.
+constexpr double kHolds = 0.003, kHoldsNot = 0.01;
 // No object leaves contacts faster than this many times the fastest point of all else in its island, or than
 // so much [m/s]: a gram under a sliding tonne left at 49 m/s (squeezed.h).
 constexpr double kSqueezeFactor = 10, kLeastSqueezeSpeed = 2;

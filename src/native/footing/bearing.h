@@ -30,6 +30,7 @@ struct BearingPoint {
   // the last two frames in which it carried.
   Vec3 velocity;
   bool timed = false;
+  double gap = 0;  // to the surface, beyond what contacts keep [m]
 };
 
 // The shares of `points` for a person whose centre of mass is over `centre`, into `share`; all zero

@@ -224,6 +224,7 @@ void Footing::find_bearing(const Model& m, const CollisionWorld& world, Vec3 dis
     const Vec3 x = stance_.points[i] + by;
     const double gap = x.z - p.at.z - world.settings.clearance;
     p.at = {x.x, x.y, p.at.z};
+    p.gap = gap;
     p.carries = rests * fades(stance_.speed[i], tune::kRests, tune::kMoves) *
                 fades(gap, tune::kPresses, tune::kPressesNot);
     if (p.on_layer) p.carries = 0;

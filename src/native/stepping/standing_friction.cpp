@@ -31,6 +31,7 @@ void StandingFriction::collect(const System& system, const Drive& d) {
   };
   each([](Patch& p, const BearingPoint& point, double force) {
     p.force += force;
+    p.gap = std::min(p.gap, point.gap);
     p.at += force * point.at;
     p.velocity += force * point.velocity;
   });
@@ -47,7 +48,7 @@ void StandingFriction::add_rows(const System& system, const Patch& patch, double
   const World& world = system.world;
   const int person = pressing_shape(system, patch.body);
   const Pairing& pairing = world.pairing(world.shapes[person].name, world.shapes[patch.shape].name);
-  if (pairing.friction <= 0 || pairing.ignore) return;
+  if (pairing.friction <= 0 || pairing.ignore || patch.gap >= tune::kHoldsNot) return;
   const double moment = patch.xx + patch.yy, radius = std::sqrt(moment / patch.force);
   const bool wide = radius > tune::kStandingPoint;
   const double angle = 0.5 * elementary::atan2(2 * patch.xy, patch.xx - patch.yy);
@@ -65,7 +66,7 @@ void StandingFriction::add_rows(const System& system, const Patch& patch, double
     c.position = c.at_a = c.at_b = patch.at + r;
     c.a = Endpoint::rigid(world.shapes[patch.shape].body, c.position);
     c.curve = (-1 / h) * row.sole;  // so far the sole goes meanwhile
-    c.friction = pairing.friction;
+    c.friction = pairing.friction * fades(patch.gap, tune::kHolds, tune::kHoldsNot);
     c.compliance = 1;
     c.yielding = whole * patch.force * (wide ? 0.5 : 1);
     rows.push_back(row);

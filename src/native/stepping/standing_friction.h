@@ -10,6 +10,9 @@
 // part is nobody's: with n = 0 its operator is the compliance 1 alone, and the answer to its demand N h is
 // p_n = N h, whatever moves.
 //
+// Weight comes while a sole or a seat is still some way above what it will rest on; friction does when its nearest
+// point is there.
+//
 // The points of one body of a person on one thing are condensed into two that have the same load, centre
 // of pressure and lever about it: half of the load each, one radius of gyration from the centre along the
 // longer axis. So a foot holds a turntable as well.
@@ -35,6 +38,7 @@ class StandingFriction {
   struct Patch {
     int shape = 0, body = 0;  // of the thing; of the person
     double force = 0;         // [N]
+    double gap = 1e300;       // of its nearest point [m]
     Vec3 at, velocity;        // means by force [m], [m/s]
     double xx = 0, xy = 0, yy = 0,
            turning = 0;  // second moments [N m^2], and of velocity [N m^2/s]

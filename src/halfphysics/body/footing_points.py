@@ -32,6 +32,9 @@ SOLE_CELLS = (8, 3)
 SOLE_HEIGHT = 0.012
 #: Weight of ankle and toes in the vertices of a foot, of which the sole is.
 FOOT_WEIGHT = 0.6
+#: Directions along the ground in each of which a sole gives its farthest vertex, some 2 cm apart:
+#: without, an edge that the skin of a heel lies on is seen from 2 cm on, and the foot comes down.
+OUTLINE_DIRECTIONS = 24
 #: Number of further points all over a foot, some 2 cm apart: toe caps and heels touch ground too.
 FOOT_POINTS = 40
 #: Number of points on the rest of the skin: some 10 cm apart. With 72, in pairs of images, somebody
@@ -98,7 +101,7 @@ def _made(body: Body) -> FootingPoints:
 
 
 def _sole(body: Body, rest: Array, side: str) -> Ints:
-    """The lowest vertex of every cell of a sole that has one, and points all over the foot."""
+    """The lowest vertex of each cell of a sole, its outline, and points all over the foot."""
     of_foot = [JOINT_INDEX[f"{side}_ankle"], JOINT_INDEX[f"{side}_foot"]]
     vertex = np.flatnonzero(body.weights[:, of_foot].sum(axis=1) > FOOT_WEIGHT)
     if not len(vertex):
@@ -110,7 +113,10 @@ def _sole(body: Body, rest: Array, side: str) -> Ints:
     order = np.lexsort((vertex, height, cell))
     first = np.unique(cell[order], return_index=True)[1]
     lowest, spread = vertex[order[first]], _far_apart(rest, foot, FOOT_POINTS, None)
-    sole: Ints = np.unique(np.concatenate([lowest, spread]))
+    angle = 2.0 * np.pi * np.arange(OUTLINE_DIRECTIONS) / OUTLINE_DIRECTIONS
+    way = np.outer(np.cos(angle), x - x.mean()) + np.outer(np.sin(angle), along - along.mean())
+    outline = vertex[way.argmax(axis=1)]
+    sole: Ints = np.unique(np.concatenate([lowest, outline, spread]))
     return sole
 
 

@@ -121,6 +121,21 @@ void Footing::wade(const Model& m, double dt) {
   wading.frame(*model, stance_, footwork_, under_, stance_.centre_of_mass(m), dt);
 }
 
+// How far a foot is to be lifted by the end of a frame, for what it comes to: the nearer that is the faster,
+//
+//   u' = c (needed - u) / t^2,   t: the time until then
+double Footing::lift_for_soon(size_t leg, double height, double dt) const {
+  const double gap = (1 - stance_.feet[leg].rests) * tune::kSwingGap;
+  double lift = -1e300;
+  for (int k = 0; k < tune::kLooks; k++) {
+    const double more = under_.feet[leg].soon[k] + gap - height - lift_[leg];
+    if (more <= 0) continue;
+    const double time = std::max(dt, k * tune::kLookTime);  // it may come there an interval earlier
+    lift = std::max(lift, lift_[leg] + more * std::min(1.0, tune::kLookPace * dt / (time * time)));
+  }
+  return lift;
+}
+
 // How far a foot is to be lifted beyond the person's height, which will be `height` and has grown by `rose`.
 double Footing::wanted_lift(size_t leg, double height, double rose, double rises, double dt) {
   const Stance::Foot& foot = stance_.feet[leg];
@@ -146,10 +161,16 @@ double Footing::wanted_lift(size_t leg, double height, double rose, double rises
   // A sole does not go up with a person who rises faster than legs would follow.
   const double carried_up = std::max(0.0, rose - tune::kRisesSlowly * dt);
   lift = std::max(lift - carried_up, std::min(lift, up + tune::kHangsBehind));
+  // It goes up at once where it must. From the ground under the motion it comes back to it as it has gone there.
+  const double gap = (1 - foot.rests) * tune::kSwingGap, soon = lift_for_soon(leg, height, dt);
+  const double least = std::max(soon, std::min(up, under.lift + gap - height));
+  up = std::max(up, soon);
   double& sinking = sinking_[leg];
-  if (up > lift) {
+  if (least > lift) {
     sinking = 0;
-    lift = std::min(up, lift + tune::kLift * dt);
+    // What rests has crept over an edge, and is in no hurry.
+    const bool creeps = foot.rests > tune::kAtRestShare && least > lift + tune::kSameLevel;
+    lift = std::min(least, lift + (creeps ? tune::kLiftAtRest : tune::kLift) * dt);
   } else {
     // Implicit: no step is too long.
     const double h = dt * down;
@@ -259,14 +280,19 @@ void Footing::apply(int root_qpos, double* qpos) {
   placed_known_ = true;
   const Vec3 whole = displaced_ + Vec3{0, 0, height_};
   qpos[root_qpos + 2] += height_;
+  auto below = under_.ground.begin();
+  std::vector<double> ground;  // of a foot, as the reference sees it
   for (size_t f = 0; f < model->legs.size(); f++) {
+    ground.assign(below, below + model->legs[f].sole.size());
+    below += ground.size();
+    for (double& z : ground) z -= height_ + held_up_;
     const Leg::Place to = place(f);
     const Vec3 from = stance_.kin.xpos[model->legs[f].ankle];
     placed_[f] = to.ankle + whole;
     const bool turned = stance_.feet[f].turns || norm2(left_turn_[f]) > 0;
     const bool moved = to.ankle.x != from.x || to.ankle.y != from.y || to.ankle.z != from.z;
     if (!moved && !turned && !stance_.tilts()) continue;
-    const Vec3 reached = model->legs[f].move(stance_.body(), to, qpos);
+    const Vec3 reached = model->legs[f].move(stance_.body(), to, ground, qpos);
     const Vec3 made = reached - from;
     placed_[f] = reached + whole;
     footwork_.reached(f, made);
@@ -279,7 +305,8 @@ void Footing::apply(int root_qpos, double* qpos) {
 
 // Joints turn at constant rates between two targets, so that a foot that rolls off its toes sags on its
 // way, by millimetres. Lifts feet that would be under the ground half-way; true if there are any.
-bool Footing::clear_between(const Model& m, int root_qpos, const double* from, const double* to) {
+bool Footing::clear_between(const Model& m, const CollisionWorld& world, Poses& poses,
+                            int root_qpos, const double* from, const double* to) {
   half_.assign(to, to + m.nq);
   double* q = &half_[root_qpos];
   for (int i = 0; i < 3; i++) q[i] = 0.5 * (from[i] + q[i]);
@@ -297,8 +324,14 @@ bool Footing::clear_between(const Model& m, int root_qpos, const double* from, c
   size_t i = 0;
   for (size_t f = 0; f < model->legs.size(); f++) {
     double sags = 0;
-    for (const SkinPoint& p : model->legs[f].sole)
-      sags = std::max(sags, under_.ground[i++] - held_up_ - p.position(between_).z);
+    for (const SkinPoint& p : model->legs[f].sole) {
+      const Vec3 x = p.position(between_);
+      const double lower = held_up_ + x.z;
+      // Of what it comes to only what is under it already: no stair over whose edge it goes.
+      if (under_.ground[i] - lower > std::max(sags, tune::kSags))
+        sags = std::max(sags, under_.ground_at(world, poses, stance_, i, x) - lower);
+      i++;
+    }
     if (sags < tune::kSags) continue;
     lift_[f] += std::min(2 * sags, tune::kMostSag);
     any = true;
@@ -386,7 +419,7 @@ void Footing::frame(const Model& m, const CollisionWorld& world, Poses& poses, i
   find_bearing(m, world, frame.displaced, dt);
   asked_.assign(target, target + m.nq);
   apply(root_qpos, target);
-  if (!corrected_ || !clear_between(m, root_qpos, frame.from, target)) return;
+  if (!corrected_ || !clear_between(m, world, poses, root_qpos, frame.from, target)) return;
   std::copy(asked_.begin(), asked_.end(), target);
   apply(root_qpos, target);
 }

@@ -105,6 +105,7 @@ class Footing {
   void come_down(const CollisionWorld& world, Vec3 displaced, double from, double dt);
   void move_height(double dt, double gravity);
   double wanted_lift(size_t leg, double height, double rose, double rises, double dt);
+  double lift_for_soon(size_t leg, double height, double dt) const;
   Footwork::Foot moved_foot(const Poses& poses, size_t leg, Vec3 slid, const Frame& frame) const;
   void wade(const Model& m, double dt);
   // On its feet on layers nobody is lower than the frame under the foot that carries most has them.
@@ -114,7 +115,8 @@ class Footing {
   void find_state();
   void find_bearing(const Model& m, const CollisionWorld& world, Vec3 displaced, double dt);
   void apply(int root_qpos, double* qpos);
-  bool clear_between(const Model& m, int root_qpos, const double* from, const double* to);
+  bool clear_between(const Model& m, const CollisionWorld& world, Poses& poses, int root_qpos,
+                     const double* from, const double* to);
 
   double height_ = 0, rising_ = 0;  // d [m] and its speed [m/s]
   std::vector<double> lift_;        // u_f [m], per leg

@@ -53,16 +53,27 @@ double Leg::slack(const Kinematics& k, Vec3 shift) const {
   return shift.x == 0 && shift.y == 0 ? std::max(0.0, slack) : slack;
 }
 
-Leg::Bent Leg::bend(const Kinematics& k, const Place& place) const {
+Leg::Bent Leg::bend(const Kinematics& k, const Place& place, const Bent& asked_joints) const {
   const Vec3 h = k.xpos[hip];
-  const Vec3 u = k.xpos[knee] - h, w = k.xpos[ankle] - k.xpos[knee];
+  const Vec3 u = k.xpos[knee] - h;
   Vec3 to = place.ankle - h;
   const double asked = norm(to), most = reach(k);
   if (asked > most) to = (most / asked) * to;
   const Vec3 n = knee_axis(u, k.xmat[hip].col(0));
-  const Quat bend = exp_quat(knee_turn(u, w, n, norm(to)) * n);
+  Quat from;  // turns the shank before it bends
+  Vec3 w = k.xpos[ankle] - k.xpos[knee];
+  Quat bend = exp_quat(knee_turn(u, w, n, norm(to)) * n);
+  // What a knee cannot turn aside it does not, and bends by a little more or less.
+  for (int i = 0; i < tune::kKneeTries && !ranges.empty(); i++) {
+    const Quat joint = conjugate(k.xquat[hip]) * bend * from * k.xquat[knee];
+    const Vec3 kept = clamped_angles(ranges[1], joint, asked_joints.knee);
+    if (norm(joint_angles(ranges[1], joint) - kept) < tune::kLegRangeMiss) break;
+    from = k.xquat[hip] * from_joint_angles(ranges[1], kept) * conjugate(k.xquat[knee]);
+    w = rotate(from, k.xpos[ankle] - k.xpos[knee]);
+    bend = exp_quat(knee_turn(u, w, n, norm(to)) * n);
+  }
   const Quat swing = least_rotation(u + rotate(bend, w), to);
-  const Quat thigh = swing * k.xquat[hip], shank = swing * bend * k.xquat[knee];
+  const Quat thigh = swing * k.xquat[hip], shank = swing * bend * from * k.xquat[knee];
   Bent b;
   b.hip = normalized(conjugate(k.xquat[root]) * thigh);
   b.knee = normalized(conjugate(thigh) * shank);
@@ -81,15 +92,15 @@ bool Leg::holds(const Bent& b, const Bent& asked) const {
 
 // The largest part of the way to a place that hip and knee can make, and the ankle as far as it goes.
 Leg::Bent Leg::within(const Kinematics& k, const Place& place, const Bent& asked) const {
-  Bent b = bend(k, place);
+  Bent b = bend(k, place, asked);
   if (!holds(b, asked)) {
     const Vec3 from = k.xpos[ankle], way = place.ankle - from;
     double good = 0, bad = 1;
     for (int i = 0; i < tune::kLegBisections; i++) {
       const double share = 0.5 * (good + bad);
-      (holds(bend(k, {from + share * way, place.foot}), asked) ? good : bad) = share;
+      (holds(bend(k, {from + share * way, place.foot}, asked), asked) ? good : bad) = share;
     }
-    b = bend(k, {from + good * way, place.foot});
+    b = bend(k, {from + good * way, place.foot}, asked);
   }
   const Vec3 angles = joint_angles(ranges[2], b.ankle),
              kept = clamped_angles(ranges[2], b.ankle, asked.ankle);
@@ -100,23 +111,26 @@ Leg::Bent Leg::within(const Kinematics& k, const Place& place, const Bent& asked
   return b;
 }
 
-// How far a foot that is turned like `made` and not as `asked` comes down with a point of its sole [m].
-double Leg::sinks(const Kinematics& k, Quat asked, Quat made) const {
+// How far a foot that is not turned as `asked` comes down into the ground with a point of its sole [m].
+double Leg::sinks(const Kinematics& k, const Place& made, Quat asked,
+                  const std::vector<double>& ground) const {
   const Quat own = conjugate(k.xquat[ankle]);
-  const Mat3 level = to_matrix(asked * own), tilted = to_matrix(made * own);
+  const Mat3 level = to_matrix(asked * own), tilted = to_matrix(made.foot * own);
   double most = 0;
-  for (const SkinPoint& p : sole) {
-    const Vec3 arm = p.position(k) - k.xpos[ankle];
-    most = std::max(most, (level * arm).z - (tilted * arm).z);
+  for (size_t i = 0; i < sole.size(); i++) {
+    const Vec3 arm = sole[i].position(k) - k.xpos[ankle];
+    const double height = made.ankle.z + (tilted * arm).z;
+    most = std::max(most, std::min((level * arm).z - (tilted * arm).z, ground[i] - height));
   }
   return most;
 }
 
-Vec3 Leg::move(const Kinematics& k, const Place& place, double* qpos) const {
+Vec3 Leg::move(const Kinematics& k, const Place& place, const std::vector<double>& ground,
+               double* qpos) const {
   Bent b;
   Vec3 made;
   if (ranges.empty()) {
-    b = bend(k, place);
+    b = bend(k, place, {});
     made = b.foot.ankle;
   } else {
     Bent asked;
@@ -124,7 +138,7 @@ Vec3 Leg::move(const Kinematics& k, const Place& place, double* qpos) const {
     asked.ankle = load4(qpos + ankle_qpos);
     b = within(k, place, asked);
     made = b.foot.ankle;
-    const double rise = sinks(k, place.foot, b.foot.foot);
+    const double rise = sinks(k, b.foot, place.foot, ground);
     if (rise > tune::kAtHeight) b = within(k, {made + Vec3{0, 0, rise}, place.foot}, asked);
   }
   store4(qpos + hip_qpos, b.hip);

@@ -10,9 +10,10 @@
 // plane in which a recording has the leg: about the axis of that plane, which of a leg that is all but
 // straight is noise, knees bent sideways by 20 degrees.
 //
+// A knee hardly turns aside: beyond its range that turn is taken back, and the knee bent anew, until both are right.
 // Joints with ranges stay within them, or within what the motion itself asks: a shift that hip or knee cannot
 // make is made as far as they can, and where the ankle cannot keep the foot's orientation the foot tilts, and
-// the ankle rises by as much as the sole would come down.
+// the ankle rises by as much as the sole would come down into the ground.
 #pragma once
 #include <vector>
 
@@ -38,9 +39,10 @@ struct Leg {
   // negative: it has to come up.
   double slack(const Kinematics& k, Vec3 shift) const;
   // Puts the foot of the pose `k`, whose coordinates are `qpos`, to `place`, or as near to it as the leg
-  // reaches; the quaternions in qpos change, `k` does not. Returns the ankle's place, without what a foot that
-  // tilts needs besides.
-  Vec3 move(const Kinematics& k, const Place& place, double* qpos) const;
+  // reaches; the quaternions in qpos change, `k` does not. Points of the sole of a foot that tilts stay over `ground`,
+  // the height of what is below each [m]. Returns the ankle's place, without what a foot that tilts needs besides.
+  Vec3 move(const Kinematics& k, const Place& place, const std::vector<double>& ground,
+            double* qpos) const;
 
  private:
   struct Bent {
@@ -48,10 +50,11 @@ struct Leg {
     Place foot;
   };
   double reach(const Kinematics& k) const;
-  Bent bend(const Kinematics& k, const Place& place) const;
+  Bent bend(const Kinematics& k, const Place& place, const Bent& asked_joints) const;
   Bent within(const Kinematics& k, const Place& place, const Bent& asked) const;
   bool holds(const Bent& b, const Bent& asked) const;
-  double sinks(const Kinematics& k, Quat asked, Quat made) const;
+  double sinks(const Kinematics& k, const Place& made, Quat asked,
+               const std::vector<double>& ground) const;
 };
 
 }  // namespace hp

@@ -54,11 +54,19 @@ void Stance::find_points(const FootingModel& model, const View& view) {
     const Mat3 back = to_matrix(conjugate(heading_));
     for (Vec3& p : own_points_) p = at + back * (p - at);
   }
-  speed.resize(points.size());
-  if (!started_) speed.assign(points.size(), 0);
+  const size_t count = points.size();
+  speed.resize(count);
+  loses_.assign(count, 0);
+  if (!started_) speed.assign(count, 0), velocity_.assign(count, {});
   if (started_ && view.dt > tune::kNoTime)
-    for (size_t i = 0; i < points.size(); i++)
-      speed[i] = norm(own_points_[i] - before_[i]) / view.dt;
+    for (size_t i = 0; i < count; i++) {
+      const Vec3 was = velocity_[i];
+      const Vec3 is = velocity_[i] = (1 / view.dt) * (own_points_[i] - before_[i]);
+      speed[i] = norm(is);
+      const double size2 = is.x * is.x + is.y * is.y;
+      const double lost = is.x * (was.x - is.x) + is.y * (was.y - is.y);
+      if (size2 > 0) loses_[i] = std::max(0.0, lost / (size2 * view.dt));
+    }
   before_ = own_points_;
   started_ = true;
   double lowest = 1e300;
@@ -67,6 +75,14 @@ void Stance::find_points(const FootingModel& model, const View& view) {
   for (size_t i = 0; i < own_points_.size(); i++)
     rests |= speed[i] < tune::kRests && own_points_[i].z < lowest + tune::kLow;
   flight_.see(kin.xpos[root_].z, lowest, rests, view.passed, view.gravity);
+}
+
+Vec3 Stance::goes(size_t point, double time) const {
+  const Vec3 v = to_matrix(heading_) * velocity_[point];
+  const double loses = loses_[point];
+  if (loses * time > 1) time = 1 / loses;  // then it stands
+  const double lasts = time - 0.5 * loses * time * time;
+  return {lasts * v.x, lasts * v.y, 0};
 }
 
 // What rests, and how feet are turned: by how they have been left behind, and level for who waits.
@@ -130,7 +146,7 @@ void Stance::save(std::vector<double>& out) const {
   out.insert(out.end(), {started_ ? 1.0 : 0.0, turned_.w, turned_.x, turned_.y, turned_.z});
   for (const Foot& foot : feet) out.push_back(foot.rested);
   for (size_t i = 0; i < before_.size(); i++)
-    out.insert(out.end(), {before_[i].x, before_[i].y, before_[i].z, speed[i]});
+    for (Vec3 v : {before_[i], velocity_[i]}) out.insert(out.end(), {v.x, v.y, v.z});
 }
 
 const double* Stance::load(const double* in, const FootingModel& model) {
@@ -143,8 +159,12 @@ const double* Stance::load(const double* in, const FootingModel& model) {
   size_t count = model.skin.size();
   for (const Leg& leg : model.legs) count += leg.sole.size();
   before_.resize(count);
+  velocity_.resize(count);
   speed.resize(count);
-  for (size_t i = 0; i < count; i++, in += 4) before_[i] = load3(in), speed[i] = in[3];
+  for (size_t i = 0; i < count; i++, in += 6) {
+    before_[i] = load3(in), velocity_[i] = load3(in + 3);
+    speed[i] = norm(velocity_[i]);
+  }
   return in;
 }
 

@@ -53,6 +53,10 @@ class Stance {
   const Kinematics& body() const { return tilts_ ? tilted_ : kin; }
   bool tilts() const { return tilts_; }
   bool flies() const { return flight_.flies(); }
+  // How far a point of the soles goes along the ground in a time, as it is seen, if it goes on to lose speed as it
+  // does [m]; and how fast it rises [m/s].
+  Vec3 goes(size_t point, double time) const;
+  double rises(size_t point) const { return velocity_[point].z; }
   // How much of what carries somebody a foot is: 0 to 1.
   double carries(const Foot& foot) const { return drags ? foot.low : foot.rests; }
   // Is a body of the model this person's?
@@ -77,15 +81,18 @@ class Stance {
   void find_rest(const FootingModel& model, const Footwork& work, double waits, double dt);
 
   Flight flight_;
-  std::vector<Vec3> before_;  // points of the last reference pose
-  bool started_ = false;      // they are known
-  Quat turned_, heading_;     // of the body off the motion, and about the vertical alone
+  std::vector<Vec3> before_;    // points of the last reference pose
+  std::vector<Vec3> velocity_;  // and how they came there [m/s]
+  bool started_ = false;        // they are known
+  Quat turned_, heading_;       // of the body off the motion, and about the vertical alone
   // Of the frame under way.
   Quat turned_before_, heading_before_;
   Kinematics tilted_;
   bool tilts_ = false;
   int root_ = 0;
   std::vector<Vec3> own_points_;  // the points in the reference itself
+  std::vector<double>
+      loses_;  // share of its speed along the ground that each has lost, in a second [1/s]
   std::vector<char> own_;
   std::vector<double> turned_qpos_;
 };

@@ -29,6 +29,9 @@ double step_up(double high, double stands) {
   return std::min({tune::kStepUp, swings, stands + tune::kCreepsUp});
 }
 
+// How far above the ground a sole stands [m].
+double above(const CollisionWorld& world) { return world.settings.clearance + tune::kSoleGap; }
+
 }  // namespace
 
 void Underfoot::find(const CollisionWorld& world, Poses& poses, const FootingModel& model,
@@ -48,11 +51,13 @@ void Underfoot::find(const CollisionWorld& world, Poses& poses, const FootingMod
     const bool rests = stance.feet[f].rests > tune::kAtRestShare;
     const double from = rests && f < before.size() ? before[f].stands : 1e300;
     double highest = -1e300;
+    feet[f].soon.fill(-1e300);
+    const size_t first = i;
     for (size_t n = 0; n < model.legs[f].sole.size(); n++, i++) {
       const Vec3 x = stance.points[i];
       const double up = step_up(x.z - lowest, from - (x + by).z);
       const Surface s = below.find_footing(poses, x + by, up, tune::kDeep);
-      ground.push_back(s.found ? s.height + world.settings.clearance + tune::kSoleGap : -1e300);
+      ground.push_back(s.found ? s.height + above(world) : -1e300);
       if (!s.found) continue;
       bearing.points[i] = {{0, 0, s.height}, s.shape, 1, s.layer > 0};
       feet[f].grounded = true;
@@ -61,12 +66,49 @@ void Underfoot::find(const CollisionWorld& world, Poses& poses, const FootingMod
       const double top = s.layer > 0 ? s.top() - dips(s) : ground.back();
       feet[f].lift = std::max(feet[f].lift, top - x.z);
     }
+    if (!rests) look_ahead(world, poses, stance, below, first, by, lowest, feet[f]);
     feet[f].least = std::min(feet[f].least, feet[f].lift);
     if (rests && feet[f].grounded) feet[f].stands = highest;
   }
   // Skin is seen from where contacts hold the person up.
   find_skin(world, poses, model, stance,
             {displaced.x, displaced.y, height + std::max(0.0, displaced.z)}, bearing);
+}
+
+// What a foot that swings, its points from `first` on moved by `by`, comes to in the next moments that is higher than what
+// is under it; the reference's lowest point is at `lowest`.
+void Underfoot::look_ahead(const CollisionWorld& world, Poses& poses, const Stance& stance,
+                           SurfaceBelow& below, size_t first, Vec3 by, double lowest,
+                           Foot& foot) const {
+  double sole = 1e300;
+  for (size_t i = first; i < ground.size(); i++) sole = std::min(sole, stance.points[i].z);
+  for (size_t i = first; i < ground.size(); i++) {
+    const Vec3 x = stance.points[i];
+    if (ground[i] == -1e300 || x.z > sole + tune::kHigh) continue;
+    const double up = step_up(x.z - lowest, 1e300);
+    const double here = ground[i] - above(world) + tune::kSameLevel;
+    double looked = 0;
+    for (int k = 0; k < tune::kLooks; k++) {
+      const double time = (k + 1) * tune::kLookTime;
+      const Vec3 way = stance.goes(i, time);
+      if (norm(way) < looked + tune::kLookWay) continue;
+      looked = norm(way);
+      Vec3 to = x + by + way;
+      // When it may come there first.
+      to.z += (time - tune::kLookTime) * std::max(0.0, stance.rises(i));
+      const double least = std::max(here, foot.soon[k] - above(world) + to.z - by.z);
+      const Surface s = below.find_footing(poses, to, up, to.z - least);
+      if (s.found) foot.soon[k] = s.height + above(world) - (to.z - by.z);
+    }
+  }
+}
+
+double Underfoot::ground_at(const CollisionWorld& world, Poses& poses, const Stance& stance,
+                            size_t point, Vec3 x) const {
+  x.z = ground[point] - above(world);
+  const Surface s =
+      SurfaceBelow(world, stance.own()).find(poses, x, tune::kSameLevel, tune::kSameLevel);
+  return s.found ? s.height + above(world) : -1e300;
 }
 
 // The lift that skin needs which rests on something, or presses on it.

@@ -2,12 +2,17 @@
 //
 // A soft layer carries anything from its frame up to its surface: there a part has two lifts, the least one,
 // on the frame, and the one to just below the surface, from where on contacts carry it (on_layers.h).
+//
+// A foot that swings is looked at ahead of where it is too, a tenth of a second: what it comes to that is higher than
+// what is under it now, a stair, it has to pass over.
 #pragma once
+#include <array>
 #include <vector>
 
 #include "footing/bearing.h"
 #include "footing/stance.h"
 #include "footing/surface_below.h"
+#include "tuning.h"
 
 namespace hp {
 
@@ -17,6 +22,8 @@ class Underfoot {
     double lift = -1e300;   // how far up it must be put to stand on the highest surface there [m]
     double least = -1e300;  // the same of the frames of layers [m]
     bool grounded = false;  // there is one
+    // The lift with which it is over what it comes to in each of the next kLookTimes; -1e300: over nothing higher [m].
+    std::array<double, tuning::footing::kLooks> soon;
     double stands = 1e300;  // height of the ground on which it rests [m]; 1e300: it does not rest
     bool on_layer() const { return least < lift; }
   };
@@ -30,6 +37,10 @@ class Underfoot {
   void find(const CollisionWorld& world, Poses& poses, const FootingModel& model,
             const Stance& stance, const Footwork& work, Vec3 displaced, double height,
             Bearing& bearing);
+  // Where a point of the soles that is at `x`, on its way, is to be at least [m]: over the ground that it comes to, if
+  // that is below it already; -1e300: anywhere.
+  double ground_at(const CollisionWorld& world, Poses& poses, const Stance& stance, size_t point,
+                   Vec3 x) const;
   // The lift of the skin that carries, if any but the feet's does.
   bool sits() const { return skin_lift_ > -1e300; }
   double skin_lift() const { return skin_lift_; }
@@ -57,6 +68,8 @@ class Underfoot {
                     Vec3 by, double turn);
 
  private:
+  void look_ahead(const CollisionWorld& world, Poses& poses, const Stance& stance,
+                  SurfaceBelow& below, size_t first, Vec3 by, double lowest, Foot& foot) const;
   void find_skin(const CollisionWorld& world, Poses& poses, const FootingModel& model,
                  const Stance& stance, Vec3 by, Bearing& bearing);
 

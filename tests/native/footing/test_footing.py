@@ -8,7 +8,8 @@ from halfphysics.body.footing_points import footing_points
 from halfphysics.scenarios.acting.gait import Walk
 from halfphysics.scenarios.acting.gait import walk as gait
 from support.as_it_is import as_it_is
-from support.ground.figures import knee_jerk, toes_angle
+from support.ground.cases import Case, set_up
+from support.ground.figures import figures, knee_jerk, toes_angle
 from support.ground.upright import BODY, FEET, SIDES, STANDS, WEIGHT, floor, lowest, standing
 
 
@@ -181,6 +182,83 @@ def test_one_foot_on_a_step_bends_the_leg_and_keeps_the_foot_level():
     assert not len(result.breaches)
 
 
+def up_a_stair(at, height, fps=30.0):
+    """A walk at 1 m/s over flat ground, and a scene in which a stair begins at x = `at` [m]."""
+    scene = floor()
+    scene.add_static("stair", hp.Box((4.0, 2.0, height)), position=(at + 2.0, 0.0, height / 2.0))
+    return gait(BODY, Walk(distance=3.0, speed=1.0), fps), scene
+
+
+@pytest.mark.parametrize("fps", [30.0, 60.0, 120.0])
+@pytest.mark.parametrize("at", [0.9, 1.0, 1.1, 1.2, 1.3])
+def test_feet_step_over_the_edge_of_a_stair_that_the_motion_knows_nothing_of(at, fps):
+    """Lifted only once over it they met its riser with 30 to 250 N s, toes bent by 50 to 75 deg."""
+    motion, scene = up_a_stair(at, 0.1, fps)
+    result = hp.simulate(motion, scene, body=BODY)
+    assert np.linalg.norm(result.contacts.impulse, axis=1).sum() < 0.5  # N s: a toe may brush it
+    assert toes_angle(result.people[0]) < 1.0
+    # Twice as much and more without looking ahead; a recording at more frames/s jerks less itself.
+    assert knee_jerk(result.people[0]) < {30.0: 1.25, 60.0: 1.75, 120.0: 2.35}[fps]
+    feet = lowest(result.motion)
+    assert STANDS[0] < feet[-1] - 0.1 < STANDS[1]
+    assert feet.min() > STANDS[0]
+
+
+def test_a_state_saved_before_a_stair_resumes_to_the_bit():
+    motion, scene = up_a_stair(1.1, 0.1)
+    whole = hp.simulate(motion, scene, body=BODY).motion
+    sim = hp.Simulator(scene, body=BODY)
+    sim.reset(motion[0])
+    states = []
+    for t in range(1, len(motion)):
+        states.append(sim.get_state())
+        sim.step(motion[t])
+    for t in range(15, len(motion) - 1, 7):
+        sim.set_state(states[t - 1])
+        pose = [sim.step(motion[k]).pose for k in (t, t + 1)][-1]
+        assert np.array_equal(pose.rotations, whole.rotations[t + 1])
+
+
+def test_a_foot_that_was_taken_down_to_the_ground_leaves_it_as_the_motion_does():
+    """It rests 11 mm over the ground beside the other one, is put down, and then rises.
+
+    At once, it would be 1.5 times as hard.
+    """
+    motion, fps = standing(0.0, frames=60), 30.0
+    t = np.arange(len(motion)) / fps
+    rises = 0.5 * (1.0 - np.cos(np.pi * np.clip((t - 1.0) / 0.6, 0.0, 1.0)))
+    rotations = motion.rotations.copy()
+    for joint, bend in (("hip", -0.59), ("knee", 1.18), ("ankle", -0.59)):
+        more = {"hip": -0.5, "knee": 1.0, "ankle": -0.5}[joint]
+        rotations[:, hp.JOINT_NAMES.index(f"left_{joint}"), 0] = bend + more * rises
+    motion = motion.with_frames(motion.translation, rotations).grounded(BODY, z=0.0)
+    result = hp.simulate(motion, floor(), body=BODY)
+    ankle = hp.JOINT_NAMES.index("left_ankle")
+    height = [BODY.joints(m)[:, ankle, 2] for m in (motion, result.motion)]
+    assert (height[0] - height[1])[:30].max() > 0.005
+    hardest = [np.abs(np.diff(h, 2)).max() for h in height]
+    assert hardest[1] < 1.02 * hardest[0]
+
+
+@pytest.mark.parametrize(
+    "clip", ["animdraw_jumping", "asap_kick1", "asap_single_foot_jump2", "asap_squat3"]
+)
+def test_recorded_feet_stand_on_stairs(shared_data, clip):
+    """Clips of flat ground, lifted along a slope of stairs of 10 cm.
+
+    The heel of a foot that tilts on its toes is not what keeps it up: one hung 25 mm over a tread.
+    """
+    motions, scene, bodies = set_up(Case("sunk", clip, "stairs"), shared_data)
+    result = hp.simulate(motions, scene, body=list(bodies))
+    found = figures(result)
+    assert abs(found["end_mm"]) < 5.0
+    assert found["toes_deg"] < 10.0
+    assert found["knee_jerk"] < 1.5
+    assert found["slide_more_mm"] < 0.2
+    assert found["unsupported_percent"] < 5.0
+    assert found["peak_n"] < 400.0
+
+
 def test_what_a_foot_is_about_to_kick_is_no_ground():
     """A ball 2 cm before the toes, lower than the ankle, does not lift the person."""
     scene = floor(top=-0.0012)
@@ -332,3 +410,9 @@ def test_points_are_on_the_skin_and_cover_the_soles():
         sole = at[side]
         assert np.ptp(sole[:, 2]) > 0.2
         assert sole[:, 1].min() < BODY.rest_vertices[:, 1].min() + 1e-3
+        # No edge lies under more than 3 mm of a sole before a point of it is over that.
+        x = BODY.rest_vertices[FEET]
+        x = x[(x[:, 0] * sole[:, 0].mean() > 0) & (x[:, 1] < x[:, 1].min() + 0.02)][:, [0, 2]]
+        angle = np.radians(np.arange(0.0, 360.0, 2.0))
+        ways = np.column_stack([np.cos(angle), np.sin(angle)])
+        assert ((x @ ways.T).max(axis=0) - (sole[:, [0, 2]] @ ways.T).max(axis=0)).max() < 3e-3

@@ -92,8 +92,13 @@ def test_who_was_pushed_onto_a_low_bench_steps_down_again():
     assert np.abs(off[-1]).max() < 0.005
 
 
-def test_a_leg_that_was_lifted_comes_down_at_once_when_nothing_is_under_it():
-    """Somebody waits at a wall with a foot on what rises, and falls away: 0.23 m up after 0.2 s."""
+@pytest.mark.parametrize("falls", [1.8, 1.9, 2.0, 2.1])
+def test_a_leg_that_was_lifted_comes_down_at_once_when_nothing_is_under_it(falls):
+    """Somebody waits at a wall with a foot on what rises, and falls away.
+
+    At 0.5 m/s it would be 0.19 m up after 0.3 s. Where the foot is on the edge of what rises is a
+    matter of chance, so one moment of its fall would say little.
+    """
     fps, frames = 60.0, 180
     t = np.arange(frames) / fps
     motion = standing(0.0, frames=frames, fps=fps)
@@ -105,13 +110,12 @@ def test_a_leg_that_was_lifted_comes_down_at_once_when_nothing_is_under_it():
     left = np.array([v for v in FEET if skin[v, 0] > 0.0])
     under = np.tile(skin[left].mean(axis=0), (frames, 1))
     under[:, 1] -= 0.3
-    falls = 1.9
     under[:, 2] = np.interp(t, [0.0, 1.2, falls, falls + 0.04], [0.0, 0.0, 0.35, -0.1]) - 0.31
     scene.add_moving("piston", hp.Box((0.16, 0.5, 0.6)), under, fps=fps)
     result = hp.simulate(motion, scene, body=BODY)
     high = lowest(result.motion, left)
     assert high[round(falls * fps)] > 0.3
-    assert high[round((falls + 0.2) * fps)] < 0.1
+    assert high[round((falls + 0.3) * fps)] < 0.1
     assert not len(result.breaches)
 
 
@@ -139,7 +143,7 @@ def test_who_was_stopped_by_a_table_goes_round_it_and_steps_back_to_the_path():
     """Blocked, waiting, round the table, and beside the reference that stands meanwhile."""
     fps = 30.0
     walked = gait(BODY, Walk(distance=5.0, speed=1.2), fps)
-    still = 240
+    still = 330  # the way takes 7 to 9 s, as it meets the table once more or not
     motion = walked.with_frames(
         np.concatenate([walked.translation, np.repeat(walked.translation[-1:], still, 0)]),
         np.concatenate([walked.rotations, np.repeat(walked.rotations[-1:], still, 0)]),

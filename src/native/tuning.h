@@ -900,8 +900,9 @@ constexpr double kSwingGap = 6e-3;
 // of them are bent by 50 degrees at risers.
 constexpr int kLooks = 8;
 constexpr double kLookTime = 0.025, kLookPace = 1.0 / 30;
-// It is looked at again where it has gone so much farther [m].
-constexpr double kLookWay = 0.02;
+// It is looked at again where it has gone so much farther, and no farther away than the second [m]: a jump of the motion
+// is no way.
+constexpr double kLookWay = 0.02, kLookFar = 0.7;
 // What floats by less than this is left as it is [m]: recorded feet do.
 constexpr double kFloats = 1.5e-3;
 // A point of the reference rests where it is slower than the first, moves where it is faster than the

@@ -29,6 +29,9 @@ FOLDED = {
 }
 #: Tilt at most [deg], and way off the path along the ground [m]: of recorded people and of dances.
 LEANS = {".npz": (6.0, 0.05), ".bvh": (50.0, 0.3)}
+#: On the leg that the kick is made from it leans by 12 degrees: its knee turns aside as far as it
+#: can, and bends all the same. (By 1 degree, while such a leg was not bent as layers ask.)
+LEANS_MORE = {"asap_kick1.npz": (15.0, 0.2)}
 
 
 @pytest.mark.parametrize("name", FOLDED)
@@ -46,7 +49,7 @@ def test_recorded_people_stay_on_their_feet(name):
     # A clip that floats over its ground stands on the frame all the same.
     floats = body.vertices(result.reference)[..., 2].min(axis=1)
     assert (off[:, 2] + THICK + floats).min() >= -FOLDED[name]
-    most_tilt, most_off = LEANS[name[-4:]]
+    most_tilt, most_off = LEANS_MORE.get(name, LEANS[name[-4:]])
     assert path_of(result.people[0]).max_tilt_deg < most_tilt
     assert np.linalg.norm(off[:, :2], axis=1).max() < most_off
     assert result.lost_time.sum() == 0.0

@@ -128,10 +128,11 @@ double Footing::lift_for_soon(size_t leg, double height, double dt) const {
   const double gap = (1 - stance_.feet[leg].rests) * tune::kSwingGap;
   double lift = -1e300;
   for (int k = 0; k < tune::kLooks; k++) {
+    if (under_.feet[leg].soon[k] == -1e300) continue;
     const double more = under_.feet[leg].soon[k] + gap - height - lift_[leg];
-    if (more <= 0) continue;
-    const double time = std::max(dt, k * tune::kLookTime);  // it may come there an interval earlier
-    lift = std::max(lift, lift_[leg] + more * std::min(1.0, tune::kLookPace * dt / (time * time)));
+    const double time = k * tune::kLookTime;  // it may come there an interval earlier
+    const double share = time > dt ? std::min(1.0, tune::kLookPace * dt / (time * time)) : 1;
+    lift = std::max(lift, lift_[leg] + share * more);
   }
   return lift;
 }
@@ -161,22 +162,22 @@ double Footing::wanted_lift(size_t leg, double height, double rose, double rises
   // A sole does not go up with a person who rises faster than legs would follow.
   const double carried_up = std::max(0.0, rose - tune::kRisesSlowly * dt);
   lift = std::max(lift - carried_up, std::min(lift, up + tune::kHangsBehind));
-  // It goes up at once where it must. From the ground under the motion it comes back to it as it has gone there.
   const double gap = (1 - foot.rests) * tune::kSwingGap, soon = lift_for_soon(leg, height, dt);
   const double least = std::max(soon, std::min(up, under.lift + gap - height));
   up = std::max(up, soon);
+  // It comes back to the motion from ground below it as it has gone there. Implicit: no step is too long.
   double& sinking = sinking_[leg];
-  if (least > lift) {
-    sinking = 0;
-    // What rests has crept over an edge, and is in no hurry.
-    const bool creeps = foot.rests > tune::kAtRestShare && least > lift + tune::kSameLevel;
-    lift = std::min(least, lift + (creeps ? tune::kLiftAtRest : tune::kLift) * dt);
-  } else {
-    // Implicit: no step is too long.
-    const double h = dt * down;
-    sinking = (sinking + h * down * (up - lift)) / ((1 + h) * (1 + h));
-    lift += dt * sinking;
+  const double h = dt * down;
+  sinking = (sinking + h * down * (up - lift)) / ((1 + h) * (1 + h));
+  double to = lift + dt * sinking;
+  if (to < least) {
+    // Up it goes at once where it must; what rests has crept over an edge, and is in no hurry.
+    const bool creeps =
+        !under.on_layer() && foot.rests > tune::kAtRestShare && least > lift + tune::kSameLevel;
+    to = std::max(to, std::min(least, lift + (creeps ? tune::kLiftAtRest : tune::kLift) * dt));
+    sinking = std::clamp(sinking, 0.0, down * std::max(0.0, up - to));
   }
+  lift = to;
   return std::fabs(lift) < tune::kAtHeight ? 0 : lift;
 }
 

@@ -32,6 +32,11 @@ double step_up(double high, double stands) {
 // How far above the ground a sole stands [m].
 double above(const CollisionWorld& world) { return world.settings.clearance + tune::kSoleGap; }
 
+// Where a sole stands on a surface [m]: on a layer just below its own.
+double stands_on(const Surface& s, const CollisionWorld& world) {
+  return s.layer > 0 ? s.top() - dips(s) : s.height + above(world);
+}
+
 }  // namespace
 
 void Underfoot::find(const CollisionWorld& world, Poses& poses, const FootingModel& model,
@@ -40,6 +45,7 @@ void Underfoot::find(const CollisionWorld& world, Poses& poses, const FootingMod
   SurfaceBelow below(world, stance.own());
   size_t i = 0;
   ground.clear();
+  stands_.clear();
   double lowest = 1e300;  // of the reference
   for (const Vec3& x : stance.points) lowest = std::min(lowest, x.z);
   const std::vector<Foot> before = std::move(feet);
@@ -58,13 +64,14 @@ void Underfoot::find(const CollisionWorld& world, Poses& poses, const FootingMod
       const double up = step_up(x.z - lowest, from - (x + by).z);
       const Surface s = below.find_footing(poses, x + by, up, tune::kDeep);
       ground.push_back(s.found ? s.height + above(world) : -1e300);
+      stands_.push_back(-1e300);
       if (!s.found) continue;
       bearing.points[i] = {{0, 0, s.height}, s.shape, 1, s.layer > 0};
       feet[f].grounded = true;
       highest = std::max(highest, s.height);
       feet[f].least = std::max(feet[f].least, ground.back() - x.z);
-      const double top = s.layer > 0 ? s.top() - dips(s) : ground.back();
-      feet[f].lift = std::max(feet[f].lift, top - x.z);
+      stands_.back() = stands_on(s, world);
+      feet[f].lift = std::max(feet[f].lift, stands_.back() - x.z);
     }
     if (!rests) look_ahead(world, poses, stance, below, first, by, lowest, feet[f]);
     feet[f].least = std::min(feet[f].least, feet[f].lift);
@@ -84,21 +91,21 @@ void Underfoot::look_ahead(const CollisionWorld& world, Poses& poses, const Stan
   for (size_t i = first; i < ground.size(); i++) sole = std::min(sole, stance.points[i].z);
   for (size_t i = first; i < ground.size(); i++) {
     const Vec3 x = stance.points[i];
-    if (ground[i] == -1e300 || x.z > sole + tune::kHigh) continue;
-    const double up = step_up(x.z - lowest, 1e300);
-    const double here = ground[i] - above(world) + tune::kSameLevel;
+    if (stands_[i] == -1e300 || x.z > sole + tune::kHigh) continue;
     double looked = 0;
     for (int k = 0; k < tune::kLooks; k++) {
       const double time = (k + 1) * tune::kLookTime;
       const Vec3 way = stance.goes(i, time);
       if (norm(way) < looked + tune::kLookWay) continue;
+      if (norm(way) > tune::kLookFar) break;
       looked = norm(way);
-      Vec3 to = x + by + way;
-      // When it may come there first.
-      to.z += (time - tune::kLookTime) * std::max(0.0, stance.rises(i));
-      const double least = std::max(here, foot.soon[k] - above(world) + to.z - by.z);
-      const Surface s = below.find_footing(poses, to, up, to.z - least);
-      if (s.found) foot.soon[k] = s.height + above(world) - (to.z - by.z);
+      // Where it may come there first.
+      const double rises = (time - tune::kLookTime) * std::max(0.0, stance.rises(i));
+      const double from = x.z + rises, up = step_up(from - lowest, 1e300);
+      const Vec3 to = Vec3{x.x, x.y, from} + by + way;
+      const double most = std::max(stands_[i] + tune::kSameLevel, foot.soon[k] + from);
+      const Surface s = below.find_footing(poses, to, up, to.z - (most - above(world)));
+      if (s.found && stands_on(s, world) > most) foot.soon[k] = stands_on(s, world) - from;
     }
   }
 }

@@ -3,7 +3,7 @@
 // A soft layer carries anything from its frame up to its surface: there a part has two lifts, the least one,
 // on the frame, and the one to just below the surface, from where on contacts carry it (on_layers.h).
 //
-// A foot that swings is looked at ahead of where it is too, a tenth of a second: what it comes to that is higher than
+// A foot that swings is looked at ahead of where it is too, a fifth of a second: what it comes to that is higher than
 // what is under it now, a stair, it has to pass over.
 #pragma once
 #include <array>
@@ -73,6 +73,8 @@ class Underfoot {
   void find_skin(const CollisionWorld& world, Poses& poses, const FootingModel& model,
                  const Stance& stance, Vec3 by, Bearing& bearing);
 
+  std::vector<double>
+      stands_;  // where each point of the soles stands on what is below it [m]; -1e300: nothing is
   double skin_lift_ = -1e300, least_skin_lift_ = -1e300;
 };
 

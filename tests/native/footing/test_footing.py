@@ -240,9 +240,7 @@ def test_a_foot_that_was_taken_down_to_the_ground_leaves_it_as_the_motion_does()
     assert hardest[1] < 1.02 * hardest[0]
 
 
-@pytest.mark.parametrize(
-    "clip", ["animdraw_jumping", "asap_kick1", "asap_single_foot_jump2", "asap_squat3"]
-)
+@pytest.mark.parametrize("clip", ["asap_kick1", "asap_single_foot_jump2", "asap_squat3"])
 def test_recorded_feet_stand_on_stairs(shared_data, clip):
     """Clips of flat ground, lifted along a slope of stairs of 10 cm.
 

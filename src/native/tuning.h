@@ -896,7 +896,7 @@ constexpr double kSoleGap = 2e-3, kLeastSoleGap = 2e-4;
 // folds under itself (by 140 degrees in a recorded walk whose toes drag 9 mm deep).
 constexpr double kSwingGap = 6e-3;
 // A foot that swings is looked at so often ahead, at intervals of the second [s], and goes up at this pace, c [s]: of 10
-// clips on stairs knees jerk over 1.5 times as much as recorded in 2; with 3 looks and equal parts in 4. Without, toes of two
+// clips on stairs knees jerk over 1.5 times as much as recorded in 3; with 3 looks and equal parts in 4. Without, toes of two
 // of them are bent by 50 degrees at risers.
 constexpr int kLooks = 8;
 constexpr double kLookTime = 0.025, kLookPace = 1.0 / 30;

@@ -1,5 +1,7 @@
 #include "footing/footing.h"
 
+#include <optional>
+
 #include "tuning.h"
 
 namespace hp {
@@ -121,11 +123,11 @@ void Footing::wade(const Model& m, double dt) {
   wading.frame(*model, stance_, footwork_, under_, stance_.centre_of_mass(m), dt);
 }
 
-// How far a foot is to be lifted by the end of a frame, for what it comes to: the nearer that is the faster,
+// How far a foot is to be lifted by the end of a frame, for what it comes to and passes over by `gap`: the nearer that
+// is the faster,
 //
 //   u' = c (needed - u) / t^2,   t: the time until then
-double Footing::lift_for_soon(size_t leg, double height, double dt) const {
-  const double gap = (1 - stance_.feet[leg].rests) * tune::kSwingGap;
+double Footing::lift_for_soon(size_t leg, double height, double gap, double dt) const {
   double lift = -1e300;
   for (int k = 0; k < tune::kLooks; k++) {
     if (under_.feet[leg].soon[k] == -1e300) continue;
@@ -162,7 +164,7 @@ double Footing::wanted_lift(size_t leg, double height, double rose, double rises
   // A sole does not go up with a person who rises faster than legs would follow.
   const double carried_up = std::max(0.0, rose - tune::kRisesSlowly * dt);
   lift = std::max(lift - carried_up, std::min(lift, up + tune::kHangsBehind));
-  const double gap = (1 - foot.rests) * tune::kSwingGap, soon = lift_for_soon(leg, height, dt);
+  const double gap = (1 - foot.rests) * tune::kSwingGap, soon = lift_for_soon(leg, height, gap, dt);
   const double least = std::max(soon, std::min(up, under.lift + gap - height));
   up = std::max(up, soon);
   // It comes back to the motion from ground below it as it has gone there. Implicit: no step is too long.
@@ -323,14 +325,17 @@ bool Footing::clear_between(const Model& m, const CollisionWorld& world, Poses& 
   between_.update(m, half_.data(), stance_.own());
   bool any = false;
   size_t i = 0;
+  std::optional<SurfaceBelow> surface;  // few frames ask
   for (size_t f = 0; f < model->legs.size(); f++) {
     double sags = 0;
     for (const SkinPoint& p : model->legs[f].sole) {
       const Vec3 x = p.position(between_);
       const double lower = held_up_ + x.z;
       // Of what it comes to only what is under it already: no stair over whose edge it goes.
-      if (under_.ground[i] - lower > std::max(sags, tune::kSags))
-        sags = std::max(sags, under_.ground_at(world, poses, stance_, i, x) - lower);
+      if (under_.ground[i] - lower > std::max(sags, tune::kSags)) {
+        if (!surface) surface.emplace(world, stance_.own());
+        sags = std::max(sags, under_.ground_at(world, poses, *surface, i, x) - lower);
+      }
       i++;
     }
     if (sags < tune::kSags) continue;

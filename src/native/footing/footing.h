@@ -105,7 +105,7 @@ class Footing {
   void come_down(const CollisionWorld& world, Vec3 displaced, double from, double dt);
   void move_height(double dt, double gravity);
   double wanted_lift(size_t leg, double height, double rose, double rises, double dt);
-  double lift_for_soon(size_t leg, double height, double dt) const;
+  double lift_for_soon(size_t leg, double height, double gap, double dt) const;
   Footwork::Foot moved_foot(const Poses& poses, size_t leg, Vec3 slid, const Frame& frame) const;
   void wade(const Model& m, double dt);
   // On its feet on layers nobody is lower than the frame under the foot that carries most has them.

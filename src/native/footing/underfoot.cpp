@@ -45,8 +45,8 @@ void Underfoot::find(const CollisionWorld& world, Poses& poses, const FootingMod
   SurfaceBelow below(world, stance.own());
   size_t i = 0;
   ground.clear();
-  stands_.clear();
-  double lowest = 1e300;  // of the reference
+  std::vector<double> stands;  // where each point of the soles stands on what is below it [m]
+  double lowest = 1e300;       // of the reference
   for (const Vec3& x : stance.points) lowest = std::min(lowest, x.z);
   const std::vector<Foot> before = std::move(feet);
   feet.assign(model.legs.size(), {});
@@ -64,16 +64,16 @@ void Underfoot::find(const CollisionWorld& world, Poses& poses, const FootingMod
       const double up = step_up(x.z - lowest, from - (x + by).z);
       const Surface s = below.find_footing(poses, x + by, up, tune::kDeep);
       ground.push_back(s.found ? s.height + above(world) : -1e300);
-      stands_.push_back(-1e300);
+      stands.push_back(-1e300);
       if (!s.found) continue;
       bearing.points[i] = {{0, 0, s.height}, s.shape, 1, s.layer > 0};
       feet[f].grounded = true;
       highest = std::max(highest, s.height);
       feet[f].least = std::max(feet[f].least, ground.back() - x.z);
-      stands_.back() = stands_on(s, world);
-      feet[f].lift = std::max(feet[f].lift, stands_.back() - x.z);
+      stands.back() = stands_on(s, world);
+      feet[f].lift = std::max(feet[f].lift, stands.back() - x.z);
     }
-    if (!rests) look_ahead(world, poses, stance, below, first, by, lowest, feet[f]);
+    if (!rests) look_ahead(world, poses, stance, below, stands, first, by, lowest, feet[f]);
     feet[f].least = std::min(feet[f].least, feet[f].lift);
     if (rests && feet[f].grounded) feet[f].stands = highest;
   }
@@ -85,13 +85,13 @@ void Underfoot::find(const CollisionWorld& world, Poses& poses, const FootingMod
 // What a foot that swings, its points from `first` on moved by `by`, comes to in the next moments that is higher than what
 // is under it; the reference's lowest point is at `lowest`.
 void Underfoot::look_ahead(const CollisionWorld& world, Poses& poses, const Stance& stance,
-                           SurfaceBelow& below, size_t first, Vec3 by, double lowest,
-                           Foot& foot) const {
+                           SurfaceBelow& below, const std::vector<double>& stands, size_t first,
+                           Vec3 by, double lowest, Foot& foot) const {
   double sole = 1e300;
-  for (size_t i = first; i < ground.size(); i++) sole = std::min(sole, stance.points[i].z);
-  for (size_t i = first; i < ground.size(); i++) {
+  for (size_t i = first; i < stands.size(); i++) sole = std::min(sole, stance.points[i].z);
+  for (size_t i = first; i < stands.size(); i++) {
     const Vec3 x = stance.points[i];
-    if (stands_[i] == -1e300 || x.z > sole + tune::kHigh) continue;
+    if (stands[i] == -1e300 || x.z > sole + tune::kHigh) continue;
     double looked = 0;
     for (int k = 0; k < tune::kLooks; k++) {
       const double time = (k + 1) * tune::kLookTime;
@@ -103,18 +103,17 @@ void Underfoot::look_ahead(const CollisionWorld& world, Poses& poses, const Stan
       const double rises = (time - tune::kLookTime) * std::max(0.0, stance.rises(i));
       const double from = x.z + rises, up = step_up(from - lowest, 1e300);
       const Vec3 to = Vec3{x.x, x.y, from} + by + way;
-      const double most = std::max(stands_[i] + tune::kSameLevel, foot.soon[k] + from);
+      const double most = std::max(stands[i] + tune::kSameLevel, foot.soon[k] + from);
       const Surface s = below.find_footing(poses, to, up, to.z - (most - above(world)));
       if (s.found && stands_on(s, world) > most) foot.soon[k] = stands_on(s, world) - from;
     }
   }
 }
 
-double Underfoot::ground_at(const CollisionWorld& world, Poses& poses, const Stance& stance,
+double Underfoot::ground_at(const CollisionWorld& world, Poses& poses, SurfaceBelow& below,
                             size_t point, Vec3 x) const {
   x.z = ground[point] - above(world);
-  const Surface s =
-      SurfaceBelow(world, stance.own()).find(poses, x, tune::kSameLevel, tune::kSameLevel);
+  const Surface s = below.find(poses, x, tune::kSameLevel, tune::kSameLevel);
   return s.found ? s.height + above(world) : -1e300;
 }
 

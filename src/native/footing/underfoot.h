@@ -39,7 +39,7 @@ class Underfoot {
             Bearing& bearing);
   // Where a point of the soles that is at `x`, on its way, is to be at least [m]: over the ground that it comes to, if
   // that is below it already; -1e300: anywhere.
-  double ground_at(const CollisionWorld& world, Poses& poses, const Stance& stance, size_t point,
+  double ground_at(const CollisionWorld& world, Poses& poses, SurfaceBelow& below, size_t point,
                    Vec3 x) const;
   // The lift of the skin that carries, if any but the feet's does.
   bool sits() const { return skin_lift_ > -1e300; }
@@ -69,12 +69,11 @@ class Underfoot {
 
  private:
   void look_ahead(const CollisionWorld& world, Poses& poses, const Stance& stance,
-                  SurfaceBelow& below, size_t first, Vec3 by, double lowest, Foot& foot) const;
+                  SurfaceBelow& below, const std::vector<double>& stands, size_t first, Vec3 by,
+                  double lowest, Foot& foot) const;
   void find_skin(const CollisionWorld& world, Poses& poses, const FootingModel& model,
                  const Stance& stance, Vec3 by, Bearing& bearing);
 
-  std::vector<double>
-      stands_;  // where each point of the soles stands on what is below it [m]; -1e300: nothing is
   double skin_lift_ = -1e300, least_skin_lift_ = -1e300;
 };
 

@@ -206,7 +206,7 @@ def test_feet_step_over_the_edge_of_a_stair_that_the_motion_knows_nothing_of(at,
 
 @pytest.mark.parametrize("fps", [30.0, 60.0, 120.0])
 def test_a_knee_that_is_raised_before_a_box_is_not_lifted_over_it(fps):
-    """What is 0.4 m high is no step, however fast the foot before it rises: it rose 3 to 5 cm more."""
+    """What is 0.4 m high is no step, however fast a foot rises before it: 3 to 5 cm too high."""
     motion = standing(0.0, frames=round(1.5 * fps), fps=fps)
     t = np.arange(len(motion)) / fps
     rises = 0.5 * (1.0 - np.cos(np.pi * np.clip((t - 1.0) / 0.25, 0.0, 1.0)))

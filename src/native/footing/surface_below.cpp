@@ -97,13 +97,23 @@ bool SurfaceBelow::wide(Vec3 x, double height) {
   return found >= tune::kAroundFound;
 }
 
-Surface SurfaceBelow::find_footing(Poses& poses, Vec3 x, double step, double depth) {
-  Surface s = find(poses, x, step, depth);
+// Looks past what is too narrow; `find` finds the surface that is at most so far above.
+template <class Find>
+Surface SurfaceBelow::past_narrow(Vec3 x, double step, const Find& find) {
+  Surface s = find(step);
   for (int i = 0; i < tune::kNarrowThings; i++) {
     if (!s.found || s.shape >= 0 || s.height < x.z + tune::kStepsOver || wide(x, s.height)) break;
-    s = find(poses, x, s.height - x.z - tune::kUnderIt, depth);
+    s = find(s.height - x.z - tune::kUnderIt);
   }
   return s;
+}
+
+Surface SurfaceBelow::find_footing(Poses& poses, Vec3 x, double step, double depth) {
+  return past_narrow(x, step, [&](double up) { return find(poses, x, up, depth); });
+}
+
+Surface SurfaceBelow::find_static_footing(Vec3 x, double step, double depth) {
+  return past_narrow(x, step, [&](double up) { return find_static(x, up, depth); });
 }
 
 }  // namespace hp

@@ -27,12 +27,15 @@ class SurfaceBelow {
   Surface find(Poses& poses, Vec3 x, double step, double depth);
   // The same, but for what is higher than kStepsOver above `x` and too narrow to step on: a bar, a rung, a rim.
   Surface find_footing(Poses& poses, Vec3 x, double step, double depth);
-  // The same as find() of static geometry alone.
+  // The same as find() and find_footing() of static geometry alone.
   Surface find_static(Vec3 x, double step, double depth);
+  Surface find_static_footing(Vec3 x, double step, double depth);
 
  private:
   bool passes(const char* own, int name) const;
   bool wide(Vec3 x, double height);
+  template <class Find>
+  Surface past_narrow(Vec3 x, double step, const Find& find);
   void meet(const PosedShape& shape, int number, double layer, Vec3 x, double above, Surface& best);
 
   const CollisionWorld& world_;

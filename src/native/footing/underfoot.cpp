@@ -29,6 +29,13 @@ double step_up(double high, double stands) {
   return std::min({tune::kStepUp, swings, stands + tune::kCreepsUp});
 }
 
+// Height of the lowest of `count` points from `first` on [m].
+double lowest_of(const std::vector<Vec3>& points, size_t first, size_t count) {
+  double lowest = 1e300;
+  for (size_t i = first; i < first + count; i++) lowest = std::min(lowest, points[i].z);
+  return lowest;
+}
+
 // How far above the ground a sole stands [m].
 double above(const CollisionWorld& world) { return world.settings.clearance + tune::kSoleGap; }
 
@@ -46,8 +53,7 @@ void Underfoot::find(const CollisionWorld& world, Poses& poses, const FootingMod
   size_t i = 0;
   ground.clear();
   std::vector<double> stands;  // where each point of the soles stands on what is below it [m]
-  double lowest = 1e300;       // of the reference
-  for (const Vec3& x : stance.points) lowest = std::min(lowest, x.z);
+  const double lowest = lowest_of(stance.points, 0, stance.points.size());  // of the reference
   const std::vector<Foot> before = std::move(feet);
   feet.assign(model.legs.size(), {});
   bearing.points.assign(stance.points.size(), {});
@@ -58,11 +64,14 @@ void Underfoot::find(const CollisionWorld& world, Poses& poses, const FootingMod
     const double from = rests && f < before.size() ? before[f].stands : 1e300;
     double highest = -1e300;
     feet[f].soon.fill(-1e300);
-    const size_t first = i;
-    for (size_t n = 0; n < model.legs[f].sole.size(); n++, i++) {
+    const size_t first = i, count = model.legs[f].sole.size();
+    const double high = lowest_of(stance.points, first, count) + tune::kHigh;
+    for (; i < first + count; i++) {
       const Vec3 x = stance.points[i];
       const double up = step_up(x.z - lowest, from - (x + by).z);
-      const Surface s = below.find_footing(poses, x + by, up, tune::kDeep);
+      // What the raised part of a tilted sole is against, it pushes.
+      const Surface s = x.z > high ? below.find_static_footing(x + by, up, tune::kDeep)
+                                   : below.find_footing(poses, x + by, up, tune::kDeep);
       ground.push_back(s.found ? s.height + above(world) : -1e300);
       stands.push_back(-1e300);
       if (!s.found) continue;
@@ -73,7 +82,7 @@ void Underfoot::find(const CollisionWorld& world, Poses& poses, const FootingMod
       stands.back() = stands_on(s, world);
       feet[f].lift = std::max(feet[f].lift, stands.back() - x.z);
     }
-    if (!rests) look_ahead(world, poses, stance, below, stands, first, by, lowest, feet[f]);
+    if (!rests) look_ahead(world, stance, below, stands, first, high, by, lowest, feet[f]);
     feet[f].least = std::min(feet[f].least, feet[f].lift);
     if (rests && feet[f].grounded) feet[f].stands = highest;
   }
@@ -82,16 +91,15 @@ void Underfoot::find(const CollisionWorld& world, Poses& poses, const FootingMod
             {displaced.x, displaced.y, height + std::max(0.0, displaced.z)}, bearing);
 }
 
-// What a foot that swings, its points from `first` on moved by `by`, comes to in the next moments that is higher than what
-// is under it; the reference's lowest point is at `lowest`.
-void Underfoot::look_ahead(const CollisionWorld& world, Poses& poses, const Stance& stance,
-                           SurfaceBelow& below, const std::vector<double>& stands, size_t first,
-                           Vec3 by, double lowest, Foot& foot) const {
-  double sole = 1e300;
-  for (size_t i = first; i < stands.size(); i++) sole = std::min(sole, stance.points[i].z);
+// What a foot that swings, its points from `first` on and up to `high` moved by `by`, comes to in the next moments that is
+// higher than what is under it; the reference's lowest point is at `lowest`. Static geometry: objects that it comes to
+// it pushes ahead.
+void Underfoot::look_ahead(const CollisionWorld& world, const Stance& stance, SurfaceBelow& below,
+                           const std::vector<double>& stands, size_t first, double high, Vec3 by,
+                           double lowest, Foot& foot) {
   for (size_t i = first; i < stands.size(); i++) {
     const Vec3 x = stance.points[i];
-    if (stands[i] == -1e300 || x.z > sole + tune::kHigh) continue;
+    if (stands[i] == -1e300 || x.z > high) continue;
     double looked = 0;
     for (int k = 0; k < tune::kLooks; k++) {
       const double time = (k + 1) * tune::kLookTime;
@@ -104,7 +112,7 @@ void Underfoot::look_ahead(const CollisionWorld& world, Poses& poses, const Stan
       const double from = x.z + rises, up = step_up(from - lowest, 1e300);
       const Vec3 to = Vec3{x.x, x.y, from} + by + way;
       const double most = std::max(stands[i] + tune::kSameLevel, foot.soon[k] + from);
-      const Surface s = below.find_footing(poses, to, up, to.z - (most - above(world)));
+      const Surface s = below.find_static_footing(to, up, to.z - (most - above(world)));
       if (s.found && stands_on(s, world) > most) foot.soon[k] = stands_on(s, world) - from;
     }
   }

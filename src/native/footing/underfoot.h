@@ -68,9 +68,9 @@ class Underfoot {
                     Vec3 by, double turn);
 
  private:
-  void look_ahead(const CollisionWorld& world, Poses& poses, const Stance& stance,
-                  SurfaceBelow& below, const std::vector<double>& stands, size_t first, Vec3 by,
-                  double lowest, Foot& foot) const;
+  static void look_ahead(const CollisionWorld& world, const Stance& stance, SurfaceBelow& below,
+                         const std::vector<double>& stands, size_t first, double high, Vec3 by,
+                         double lowest, Foot& foot);
   void find_skin(const CollisionWorld& world, Poses& poses, const FootingModel& model,
                  const Stance& stance, Vec3 by, Bearing& bearing);
 

@@ -146,8 +146,9 @@ def authored(fps, **options):
 
 
 #: Fastest over slowest of the rates, by the mass of the ball [kg]: the heavier, the more it matters
-#: when the leg gives in.
-SAMPLED = {0.5: 1.1, 5.0: 1.35, 200.0: 1.7}
+#: when the leg gives in. At 200 kg it is bent by the ball, and meets it again or does not: a little
+#: beside it, or at 4 or 6 m/s, the rates differ by as much.
+SAMPLED = {0.5: 1.1, 5.0: 1.35, 200.0: 2.5}
 
 
 def test_the_authored_kick():

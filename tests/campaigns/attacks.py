@@ -36,6 +36,7 @@ from support.attacks.stage import Attack, body
 from support.judges.clear_judge import Judge, told_inside
 from support.judges.coal_scene import Watch
 from support.judges.person_hulls import pieces_of
+from support.shards import shard
 
 #: Accuracy of coal's own distances; the largest gap that is asked for [m].
 ROUNDING, NEAR = 1e-6, 5e-4
@@ -287,7 +288,7 @@ def campaign(cases, options) -> list[dict]:
     Fuzzing ends when the rows have so many frames for every seed.
     """
     log = options.log
-    k, n = map(int, options.shard.split("/"))
+    k, n = options.shard
     most = options.fuzz * options.seeds / n
     cases = itertools.islice(cases, k, None, n)
     rows = [json.loads(line) for line in log.read_text().splitlines()] if log.exists() else []
@@ -318,7 +319,7 @@ def options_of(arguments: list[str] | None = None) -> argparse.Namespace:
     p.add_argument("--jobs", type=int, default=1)
     p.add_argument("--log", type=Path, default=Path(os.devnull), help="rows; known ones are kept")
     p.add_argument("--no-judge", action="store_true", help="time, memory and contacts alone")
-    p.add_argument("--shard", default="0/1", help="k/n: every n-th case from k on")
+    p.add_argument("--shard", type=shard, default="0/1", help="k/n: every n-th case from k on")
     p.add_argument("--fuzz", type=int, default=0, help="frames of every seed")
     return p.parse_args(arguments)
 

@@ -32,6 +32,7 @@ from halfphysics.simulation.simulator import Simulator
 from support.judges.clear_judge import Judge
 from support.judges.person_hulls import CONTACTS
 from support.rooms import furnished
+from support.shards import shard
 from support.throws import OBSTACLES, POSES, throw
 
 STIFFNESS = (0.0, 1.0, 10.0)
@@ -292,7 +293,7 @@ def options_of(doc, log, **more):
     p.add_argument("--data", type=Path, default=os.environ.get("HALFPHYSICS_TEST_DATA"))
     p.add_argument("--log", type=Path, default=Path(log))
     p.add_argument("--seconds", type=float, default=np.inf)
-    p.add_argument("--shard", default="0/1", help="k/n: every n-th case from k on")
+    p.add_argument("--shard", type=shard, default="0/1", help="k/n: every n-th case from k on")
     p.add_argument("--only", default="", help="cases whose id contains this")
     for name, keywords in more.items():
         p.add_argument(f"--{name}", **keywords)
@@ -312,7 +313,7 @@ def rows_of(options, cases, run):
         case = next(c for c in cases if c.id == options.case)
         print(json.dumps(run(case, options.data, options.contact), indent=1))
         return [], []
-    k, n = map(int, options.shard.split("/"))
+    k, n = options.shard
     cases = [c for c in cases if options.only in c.id][k::n]
     seconds = -1.0 if options.summary else options.seconds
     rows = campaign(cases, options.data, options.log, options.contact, seconds, run)

@@ -33,6 +33,7 @@ from halfphysics.simulation.simulate import simulate
 from support.ground.cases import all_cases, set_up
 from support.ground.figures import figures, push_figures
 from support.ground.limits import comparison, failed, late, summary, table
+from support.shards import shard
 
 
 def run(case, data=None, changes=None, frames=None):
@@ -123,7 +124,7 @@ def main():
     p.add_argument("--set", action="append", default=[], metavar="NAME=VALUE")
     p.add_argument("--seconds", type=float, default=np.inf)
     p.add_argument("--frames", type=int, default=None, help="of each case, at most")
-    p.add_argument("--shard", default="0/1", help="k/n: every n-th case from k on")
+    p.add_argument("--shard", type=shard, default="0/1", help="k/n: every n-th case from k on")
     p.add_argument("--only", default="", help="cases whose id contains one of these, by commas")
     p.add_argument("--case", help="one case by id: its rows, nothing is written")
     p.add_argument("--shakes", type=int, default=0, help="runs of each case, a little beside it")
@@ -136,7 +137,7 @@ def main():
         case = next(c for c in cases if c.id == options.case)
         print(json.dumps(run(case, data, changes, options.frames), indent=1))
         return
-    k, n = map(int, options.shard.split("/"))
+    k, n = options.shard
     cases = [c for c in cases if any(o in c.id for o in options.only.split(","))][k::n]
     seconds = -1.0 if options.summary else options.seconds
     rows = campaign(cases, data, options.log, changes, seconds, options.frames)

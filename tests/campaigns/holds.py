@@ -37,6 +37,7 @@ from support.carries.limits import comparison, failed, held, summary, table
 from support.carries.loaded import MEMORY, loaded
 from support.carries.people import bones_work
 from support.carries.recordings import recording
+from support.shards import shard
 
 HOWS = ("unsized", "bare", "contact", "adapted")
 #: All layouts in turn; every case in all layouts and from memory.
@@ -146,7 +147,7 @@ def main():
         "every case in all, and from memory",
     )
     p.add_argument("--seconds", type=float, default=np.inf)
-    p.add_argument("--shard", default="0/1", help="k/n: every n-th case from k on")
+    p.add_argument("--shard", type=shard, default="0/1", help="k/n: every n-th case from k on")
     p.add_argument("--only", default="", help="cases whose id contains one of these, by commas")
     p.add_argument("--case", help="one case by id: its row, nothing is written")
     p.add_argument("--against", type=Path, help="a log to compare with")
@@ -160,7 +161,7 @@ def main():
         case = next(c for c in cases if c.id == options.case)
         print(json.dumps(run(case, options.how, layout[case.id]), indent=1))
         return
-    k, n = map(int, options.shard.split("/"))
+    k, n = options.shard
     cases = [c for c in cases if any(o in c.id for o in options.only.split(","))]
     order = np.random.default_rng(0).permutation(len(cases))[k::n]  # any part is a fair sample
     cases = [cases[i] for i in sorted(order)]

@@ -30,6 +30,7 @@ from halfphysics.base import rotations as rot
 from halfphysics.simulation.simulator import Simulator
 from support.judges.clear_judge import Judge
 from support.judges.coal_scene import Watch
+from support.shards import shard
 from support.soft.frames import Seen, hard
 from support.soft.fuzz import FASTEST, Case, set_up
 
@@ -239,7 +240,7 @@ def campaign(options) -> list[dict]:
     """Rows of the log and new ones, until there are so many frames or the time is over."""
     rows = read(options.log)
     known, frames = {r["id"] for r in rows}, sum(r["frames"] for r in rows)
-    k, n = map(int, options.shard.split("/"))
+    k, n = options.shard
     end = time.monotonic() + options.seconds
     with options.log.open("a") as out:
         for number, case in enumerate(cases(options.seeds)):
@@ -270,7 +271,7 @@ def options_of(arguments: list[str] | None = None) -> argparse.Namespace:
     p.add_argument("--frames", type=int, default=100_000, help="of all seeds together")
     p.add_argument("--log", type=Path, default=Path("soft.jsonl"), help="rows; known ones are kept")
     p.add_argument("--seconds", type=float, default=np.inf)
-    p.add_argument("--shard", default="0/1", help="k/n: every n-th case from k on")
+    p.add_argument("--shard", type=shard, default="0/1", help="k/n: every n-th case from k on")
     p.add_argument("--case", help="one case by id: its row, nothing is written")
     p.add_argument("--summary", action="store_true", help="of the log, nothing is run")
     return p.parse_args(arguments)

@@ -22,6 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from halfphysics.simulation.simulator import Simulator
+from support.shards import shard
 from support.starts import cases as starts
 from support.starts import objects as starts_things
 from support.starts.cases import Case
@@ -218,7 +219,7 @@ def main():
     p.add_argument("--log", type=Path, default=Path("starts.jsonl"))
     p.add_argument("--seconds", type=float, default=60.0)
     p.add_argument("--cases", type=int, help="so many of each kind, whatever the time")
-    p.add_argument("--shard", default="0/1", help="k/n: every n-th case from k on")
+    p.add_argument("--shard", type=shard, default="0/1", help="k/n: every n-th case from k on")
     p.add_argument("--seed", type=int, default=0, help="of the first case of each kind")
     p.add_argument("--only", default="", help="kinds whose name contains this")
     p.add_argument("--case", help="one case, KIND-SEED: its row, nothing is written")
@@ -234,7 +235,7 @@ def main():
     rows = [r for r in read(options.log) if r["contact"] == options.contact]
     rows = [r for r in rows if options.only in r["kind"]]
     done = {r["id"] for r in rows}
-    k, n = map(int, options.shard.split("/"))
+    k, n = options.shard
     end = time.monotonic() + (np.inf if options.cases else options.seconds)
     most = (options.cases or 10**9) * sum(options.only in kind for kind in KINDS)
     for i, case in enumerate(cases(options.seed, options.only)):

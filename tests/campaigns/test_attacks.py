@@ -159,6 +159,14 @@ def test_shards_share_the_cases_and_the_frames(tmp_path, monkeypatch):
     assert ids == [some[::2], some[1::2]]
 
 
+@pytest.mark.parametrize("part", ["2/2", "1", "a/b", "0/0"])
+def test_a_shard_that_would_leave_cases_out_is_refused(part, capsys):
+    """The second of two is 1/2: "2/2" left out the first case, and said nothing."""
+    with pytest.raises(SystemExit):
+        options_of(["--shard", part])
+    assert "expected k/n with k from 0 to n - 1" in capsys.readouterr().err
+
+
 def test_a_row_complains_of_time_memory_and_depth():
     row = run(Case("ring", 0), 1, judge=False)
     assert "ring-0" in table([row])

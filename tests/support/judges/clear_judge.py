@@ -33,8 +33,8 @@ NEAR = 0.005
 #: Accuracy of coal's own distances [m].
 ROUNDING = 1e-6
 #: With `told`, what starts no deeper in something than this touches it until it is clear: nothing
-#: is told of it [m].
-TOUCH = 1e-4
+#: is told of it [m]; of planes, whose depth is exact, what docs/physics.md says of the reset.
+TOUCH, TOUCH_OF_PLANES = 1e-4, 1e-5
 #: A plane that is to separate has this much room [m]: rounding of coordinates.
 ROOM = 1e-9
 #: Poses processed together: bounds the memory. Steps proven together at first.
@@ -99,7 +99,7 @@ class Judge:
             for pieces in self.pieces:
                 at = pieces.at(poses[first : first + CHUNK + 1])
                 for s, last in zip(self.planes, last_told(told, pieces, self.planes), strict=True):
-                    _over(s, at, first, verdict, last)
+                    _over(s, at, first, verdict, last, 0.0 if told is None else TOUCH_OF_PLANES)
                 if self.statics:
                     last = last_told(told, pieces, self.statics)
                     touch = 0.0 if told is None else TOUCH
@@ -279,15 +279,18 @@ def last_told(told, pieces, statics):
     return np.array(last, int).reshape(len(statics), len(parts))
 
 
-def _over(s, at, first, verdict, last_told):
+def _over(s, at, first, verdict, last_told, touch):
     """Heights of all pieces over a plane; what is above it at two poses is so between.
 
     last_told: The last pose at which a piece is left out (P,).
+    touch: Depth up to which it is left out until it is first clear [m].
     """
     normal, offset = s.plane
     heights = np.minimum.reduceat(at.corners @ normal, at.pieces.first[:-1]).T - offset
     if first == 0 and heights[0].min() < 0.0:
         verdict.start = min(verdict.start, float(heights[0].min()))
+    touches = (-touch <= heights) & (heights <= 0.0) & (first == 0)
+    heights[np.logical_and.accumulate(touches)] = np.inf
     heights[first + np.arange(len(heights))[:, None] <= last_told] = np.inf
     for k in np.flatnonzero(heights.min(axis=1) < -ROUNDING):
         verdict.inside.add(first + int(k))

@@ -108,11 +108,21 @@ def test_what_is_told_is_left_out_as_long_as_it_is_told(body, kind):
     assert Judge(simulator).judge_poses(poses, elsewhere).inside == {0, 1, 2, 3}
 
 
-@pytest.mark.parametrize(("depth", "clear"), [(5e-5, True), (2e-4, False)])
-def test_a_start_that_touches_need_not_be_told(body, depth, clear):
-    scene = Scene()
+def _ground(kind):
+    """A scene whose ground is the top of a box, or a plane."""
+    scene, is_box = Scene(), kind == "box"
+    shape = Box((3.0, 3.0, 1.0)) if is_box else Plane()
+    scene.add_static("it", shape, position=(0.0, 0.0, -0.5 if is_box else 0.0))
+    return scene
+
+
+@pytest.mark.parametrize(
+    ("kind", "depth", "clear"),
+    [("box", 5e-5, True), ("box", 2e-4, False), ("plane", 5e-6, True), ("plane", 2e-5, False)],
+)
+def test_a_start_that_touches_need_not_be_told(body, kind, depth, clear):
+    scene = _ground(kind)
     lowest = body.vertices(t_pose(np.zeros((2, 3))), frames=[0])[0, :, 2].min()
-    scene.add_static("it", Box((3.0, 3.0, 1.0)), position=(0.0, 0.0, -0.5))
     motion = t_pose(np.outer([-lowest - depth, -lowest + 0.001], [0.0, 0.0, 1.0]))
     simulator = Simulator(scene, body=body, fps=motion.fps)
     poses = np.array([simulator.world.start([motion[t]])[0] for t in range(len(motion))])
@@ -122,12 +132,12 @@ def test_a_start_that_touches_need_not_be_told(body, depth, clear):
     assert not Judge(simulator).judge_poses(poses).clear
 
 
-def test_what_touched_at_the_start_may_not_touch_again(body):
+@pytest.mark.parametrize(("kind", "depth"), [("box", 5e-5), ("plane", 5e-6)])
+def test_what_touched_at_the_start_may_not_touch_again(body, kind, depth):
     """A first step that is lost as a whole is no breach; a foot that comes back is one."""
-    scene = Scene()
+    scene = _ground(kind)
     lowest = body.vertices(t_pose(np.zeros((2, 3))), frames=[0])[0, :, 2].min()
-    scene.add_static("it", Box((3.0, 3.0, 1.0)), position=(0.0, 0.0, -0.5))
-    heights = np.array([-5e-5, -5e-5, 0.001, -5e-5])
+    heights = np.array([-depth, -depth, 0.001, -depth])
     motion = t_pose(np.outer(heights - lowest, [0.0, 0.0, 1.0]))
     simulator = Simulator(scene, body=body, fps=motion.fps)
     poses = np.array([simulator.world.start([motion[t]])[0] for t in range(len(motion))])

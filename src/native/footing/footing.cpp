@@ -165,7 +165,9 @@ double Footing::wanted_lift(size_t leg, double height, double rose, double rises
   const double carried_up = std::max(0.0, rose - tune::kRisesSlowly * dt);
   lift = std::max(lift - carried_up, std::min(lift, up + tune::kHangsBehind));
   const double gap = (1 - foot.rests) * tune::kSwingGap, soon = lift_for_soon(leg, height, gap, dt);
-  const double least = std::max(soon, std::min(up, under.lift + gap - height));
+  // Feet of who sits, which carry nothing, come back from below at once.
+  const double at_once = sits() ? up : std::min(up, under.lift + gap - height);
+  const double least = std::max(soon, at_once);
   up = std::max(up, soon);
   // It comes back to the motion from ground below it as it has gone there. Implicit: no step is too long.
   double& sinking = sinking_[leg];
@@ -206,10 +208,11 @@ Footwork::Foot Footing::moved_foot(const Poses& poses, size_t leg, Vec3 slid,
   }
   if (sunk) return foot;
   const Quat turns = stance_.heading_change();
-  if (turns.z == 0) return foot;
+  const Vec3 aside = stance_.goes_aside();
+  if (turns.z == 0 && norm2(aside) == 0) return foot;
   const Vec3 arm = stance_.kin.xpos[ankle] - stance_.kin.xpos[model->legs[leg].root];
   const Vec3 carried = arm - to_matrix(conjugate(turns)) * arm;
-  foot.slid += Vec3{carried.x, carried.y, 0};
+  foot.slid += Vec3{carried.x, carried.y, 0} + aside;
   foot.turned = log_quat(turns).z;
   return foot;
 }

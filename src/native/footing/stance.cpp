@@ -10,6 +10,7 @@ void Stance::clear(size_t legs) {
   flight_ = {};
   started_ = tilts_ = drags = false;
   turned_ = heading_ = {};
+  root_before_ = aside_ = {};
   feet.assign(legs, {});
 }
 
@@ -68,6 +69,12 @@ void Stance::find_points(const FootingModel& model, const View& view) {
       if (size2 > 0) loses_[i] = std::max(0.0, lost / (size2 * view.dt));
     }
   before_ = own_points_;
+  aside_ = {};
+  if (started_ && heading_.z != 0) {
+    const Vec3 way = kin.xpos[root_] - root_before_;
+    aside_ = way - to_matrix(heading_) * way;
+  }
+  root_before_ = kin.xpos[root_];
   started_ = true;
   double lowest = 1e300;
   for (const Vec3& p : own_points_) lowest = std::min(lowest, p.z);
@@ -143,7 +150,8 @@ Vec3 Stance::centre_of_mass(const Model& m) const {
 
 void Stance::save(std::vector<double>& out) const {
   flight_.save(out);
-  out.insert(out.end(), {started_ ? 1.0 : 0.0, turned_.w, turned_.x, turned_.y, turned_.z});
+  out.insert(out.end(), {started_ ? 1.0 : 0.0, turned_.w, turned_.x, turned_.y, turned_.z,
+                         root_before_.x, root_before_.y, root_before_.z});
   for (const Foot& foot : feet) out.push_back(foot.rested);
   for (size_t i = 0; i < before_.size(); i++)
     for (Vec3 v : {before_[i], velocity_[i]}) out.insert(out.end(), {v.x, v.y, v.z});
@@ -154,7 +162,8 @@ const double* Stance::load(const double* in, const FootingModel& model) {
   in = flight_.load(in);
   started_ = in[0] != 0;
   turn(load4(in + 1));
-  in += 5;
+  root_before_ = load3(in + 5);
+  in += 8;
   for (Foot& foot : feet) foot.rested = *in++;
   size_t count = model.skin.size();
   for (const Leg& leg : model.legs) count += leg.sole.size();

@@ -68,6 +68,9 @@ class Stance {
   Quat turned_half_way() const {
     return exp_quat(0.5 * (log_quat(turned_before_) + log_quat(turned_)));
   }
+  // Who is turned goes along the motion's own path nevertheless: how far that takes it, in this frame, beside the way
+  // that its turned feet make [m]:  (1 - R) dx,  R: how it is turned, dx: the way of the root in the motion.
+  Vec3 goes_aside() const { return aside_; }
   // The reference with its root turned about `by`, into `out` [nq of the model].
   void turn_root(const Model& m, const double* qpos, Quat by, std::vector<double>& out) const;
 
@@ -83,10 +86,12 @@ class Stance {
   Flight flight_;
   std::vector<Vec3> before_;    // points of the last reference pose
   std::vector<Vec3> velocity_;  // and how they came there [m/s]
-  bool started_ = false;        // they are known
+  Vec3 root_before_;            // of the last reference pose [m]
+  bool started_ = false;        // these are known
   Quat turned_, heading_;       // of the body off the motion, and about the vertical alone
   // Of the frame under way.
   Quat turned_before_, heading_before_;
+  Vec3 aside_;
   Kinematics tilted_;
   bool tilts_ = false;
   int root_ = 0;

@@ -3,8 +3,8 @@
 // A soft layer carries anything from its frame up to its surface: there a part has two lifts, the least one,
 // on the frame, and the one to just below the surface, from where on contacts carry it (on_layers.h).
 //
-// A foot that swings is looked at ahead of where it is too, a fifth of a second: what it comes to that is higher than
-// what is under it now, a stair, it has to pass over.
+// A foot that swings is looked at ahead of where it is too, a fifth of a second: static geometry that it comes to and
+// that is higher than what is under it now, a stair, it has to pass over. Things it pushes.
 #pragma once
 #include <array>
 #include <vector>

@@ -34,17 +34,19 @@ def test_the_motion_put_elsewhere_is_the_motion_seen_from_there(body, name):
     np.testing.assert_allclose(seen, body.joints(case.motion), atol=1e-12)
 
 
-#: Scenes with room to the limits: the others, where people are pressed evenly on left and right or
-#: on a few points, keep them too, but what rounding leaves there grows by a thousand in a second.
+#: Scenes with room to the limits: of the others one, where somebody is pressed evenly on left and
+#: right, misses them, and in one what rounding leaves grows by a thousand in a second.
 SCENES = (
     "jamb",
     "climb_onto_bed",
     "crawl_under_table",
     "leg_through_table",
+    "sit_on_bed",
     "sit_on_sofa",
     "step_back_onto_cabinet",
+    "stretch_on_bed",
 )
-#: Largest difference over the first second that was seen in them: 3.4e-8 m.
+#: Largest difference over the first second that was seen in them: 1.7e-7 m.
 SECOND = 0.5 * FIRST
 
 

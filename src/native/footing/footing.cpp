@@ -55,14 +55,10 @@ void Footing::find_left(const Poses& poses, double dt) {
   }
 }
 
-// False: nothing rests, the height stays.
-bool Footing::wanted_height(double& height, bool starts) const {
+Footing::Height Footing::wanted_height(bool starts) const {
   // On a layer somebody starts anywhere between frame and surface, and else comes down until it presses.
   const double from = starts ? height_ : -1e300;
-  if (sits()) {
-    height = std::clamp(from, under_.least_skin_lift(), under_.skin_lift());
-    return true;
-  }
+  if (sits()) return {true, std::clamp(from, under_.least_skin_lift(), under_.skin_lift())};
   // As high as one foot has it, no higher than the other leg reaches down.
   double highest = -1e300, most = 1e300;
   for (size_t f = 0; f < under_.feet.size(); f++) {
@@ -75,25 +71,27 @@ bool Footing::wanted_height(double& height, bool starts) const {
     highest = std::max(highest, lift);
     most = std::min(most, lift + model->legs[f].slack(stance_.body(), footwork_.offset(f)));
   }
-  if (highest == -1e300) return false;
-  height = std::min(highest, most);
-  return true;
+  if (highest == -1e300) return {};
+  return {true, std::min(highest, most), most < highest};
 }
 
 void Footing::move_height(double dt, double gravity) {
   if (layers.carry()) return;  // they move it
-  double to = height_;
-  if (!wanted_height(to, false)) {
+  const Height wanted = wanted_height(false);
+  if (!wanted.known) {
     rising_ = 0;
     return;
   }
+  const double to = wanted.at;
   const bool near = to > height_ - tune::kFloats && to < height_ + tolerated(height_);
   if (near && std::fabs(rising_) < tune::kAtRest) {
     rising_ = 0;
     return;
   }
   // Slower where frames are long: else it would ring.
-  const double rate = std::min(tune::kHeightRate, tune::kHeightShare / dt);
+  const bool hangs = wanted.hangs && to < height_;
+  const double rate =
+      std::min(hangs ? tune::kHangingRate : tune::kHeightRate, tune::kHeightShare / dt);
   const double pull = rate * rate * (to - height_) - 2 * rate * rising_;
   rising_ += dt * std::clamp(pull, -gravity, tune::kRise * gravity);
   height_ += dt * rising_;
@@ -105,8 +103,8 @@ void Footing::move_height(double dt, double gravity) {
 // far above what it is to stand on falls, whatever its hands are over.
 void Footing::come_down(const CollisionWorld& world, Vec3 displaced, double from, double dt) {
   if (height_ >= from || layers.carry()) return;
-  double to = from;
-  const bool falls = dt > 0 && wanted_height(to, false) && to < from - tune::kFallsPastHands;
+  const Height wanted = wanted_height(false);
+  const bool falls = dt > 0 && wanted.known && wanted.at < from - tune::kFallsPastHands;
   const double least = std::min(
       from,
       Underfoot::least_height(world, *model, stance_, {displaced.x, displaced.y, from}, !falls));
@@ -371,8 +369,9 @@ void Footing::start(const Model& m, const CollisionWorld& world, Poses& poses, i
   clear();
   stance_.read(m, *model, footwork_, {}, qpos);
   under_.find(world, poses, *model, stance_, footwork_, {}, height_, bearing);
-  double height = 0;
-  if (!wanted_height(height, true) || std::fabs(height) > tune::kStartShift) return;
+  const Height wanted = wanted_height(true);
+  double height = wanted.at;
+  if (!wanted.known || std::fabs(height) > tune::kStartShift) return;
   if (height < tolerated(height_) && height > -tune::kFloats) height = 0;
   height_ = height;
   come_down(world, {}, 0, 0);

@@ -101,7 +101,13 @@ class Footing {
 
  private:
   Leg::Place place(size_t leg) const;
-  bool wanted_height(double& height, bool starts) const;
+  // Where the person is to be; not known: nothing rests, the height stays.
+  struct Height {
+    bool known = false;
+    double at = 0;       // [m]
+    bool hangs = false;  // a leg that is to carry reaches no farther down
+  };
+  Height wanted_height(bool starts) const;
   void come_down(const CollisionWorld& world, Vec3 displaced, double from, double dt);
   void move_height(double dt, double gravity);
   double wanted_lift(size_t leg, double height, double rose, double rises, double dt);

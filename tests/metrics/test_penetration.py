@@ -225,3 +225,32 @@ def test_the_same_with_threads(shared_data: Path, name: str) -> None:
     assert one.rate_percent > 20.0
     assert (one.rate_percent, one.depth_mean_mm) == (two.rate_percent, two.depth_mean_mm)
     np.testing.assert_array_equal(one.deepest, two.deepest)
+
+
+def test_frames_beside_a_solid_are_passed_over_and_change_no_bit() -> None:
+    """Things that people pass, and moving ones that pass them, as if every point were looked at."""
+    rng = np.random.default_rng(5)
+    body, frames = Cloud(rng.uniform(-0.5, 0.5, (300, 3))), 60
+    motion = _line(frames)
+    turn = rotations.exp(np.array([0.3, -0.5, 0.7]))
+    scene = Scene()
+    shapes = [Box((0.2, 0.3, 0.4)), Sphere(0.2), Capsule(0.1, 0.3), Cylinder(0.1, 0.4)]
+    vertices, faces = Box((0.3, 0.2, 0.2)).triangles()
+    shapes += [Mesh(vertices, faces), Mesh(vertices, faces[:-2]), Plane((0.0, 0.6, 0.8), -0.6)]
+    places = rng.uniform(-1.4, 1.4, (len(shapes), 3)) * [1.0, 0.3, 0.3]
+    for k, (shape, place) in enumerate(zip(shapes, places, strict=True)):
+        scene.add_static(f"static{k}", shape, position=place, quaternion=turn)
+    scene.add_object("ball", Sphere(0.15), mass=1.0)
+    path = np.linspace([0.2, 2.0, 0.0], [0.2, -2.0, 0.1], frames)
+    tracks = {"ball": Track(path, np.tile(turn, (frames, 1)))}
+    report = metrics.penetration(motion, body, scene, objects=tracks)
+    points = body.vertices(motion)
+    for k, (shape, place) in enumerate(zip(shapes, places, strict=True)):
+        local = (points - place) @ rotations.to_matrix(turn)
+        depth = shape.depth(local.reshape(-1, 3)).reshape(local.shape[:2])
+        np.testing.assert_array_equal(report.by_name[f"static{k}"], 1000.0 * depth.max(axis=1))
+    ball = (points - path[:, None]) @ rotations.to_matrix(np.tile(turn, (frames, 1)))
+    depth = Sphere(0.15).depth(ball.reshape(-1, 3)).reshape(ball.shape[:2])
+    np.testing.assert_array_equal(report.by_name["ball"], 1000.0 * depth.max(axis=1))
+    touched = [(values > 0.0).mean() for values in report.by_name.values()]
+    assert sum(0.0 < share < 1.0 for share in touched) >= 4, "they are passed"

@@ -17,7 +17,11 @@ from halfphysics.geometry.mesh_queries import MeshQuery, is_closed
 from halfphysics.metrics.argument_checks import Array, check_motion
 from halfphysics.metrics.scene_solids import Solid, links_of, solids_of, tracks_of
 from halfphysics.metrics.skins import batches, frames_of, skin
+from halfphysics.metrics.solid_boxes import distance_bound
 from halfphysics.scene.scene import Scene
+
+#: Solids as near as this to a box of points are looked at [m]: more than what rounding makes.
+ROUNDING = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -95,9 +99,11 @@ def penetration(
         parts = batches(frames, "penetration")
     for part in parts:
         vertices = skin(motion, body, part)
+        columns = [vertices[..., k] for k in range(3)]  # short rows take three times as long
+        box = tuple(np.stack([f(c, axis=1) for c in columns], axis=1) for f in (np.min, np.max))
         depth = np.zeros(vertices.shape[:2])
         for name, its in solids.items():
-            own = _depth(its, vertices, part, int(threads))
+            own = _depth(its, vertices, box, part, int(threads))
             by_name[name][part] = 1000.0 * own.max(axis=1)
             np.maximum(depth, own, out=depth)
         for name, (their, shaped) in others.items():
@@ -153,13 +159,26 @@ def _others(scene: Scene, people: Any, frames: int) -> dict[str, tuple[Any, Any]
     return dict(people)
 
 
-def _depth(solids: list[Solid], points: Array, part: slice, threads: int) -> Array:
-    """Depths (t, V) of points (t, V, 3) of the frames `part`, in the deepest of some solids."""
+def _depth(
+    solids: list[Solid], points: Array, box: tuple[Array, ...], part: slice, threads: int
+) -> Array:
+    """Depths (t, V) of points (t, V, 3) of the frames `part`, in the deepest of some solids.
+
+    `box`: lowest and highest corners (t, 3) of the points of a frame. Where that is beside a solid
+    nothing is inside.
+    """
     deepest = np.zeros(points.shape[:2])
+    middle, half = 0.5 * (box[0] + box[1])[:, None], 0.5 * (box[1] - box[0])[:, None]
     for shape, *pose in solids:
-        position, turn = (x if len(x) == 1 else x[part] for x in pose)
+        position, quaternion = (x if len(x) == 1 else x[part] for x in pose)
+        turn = rotations.to_matrix(quaternion)
+        near = distance_bound(shape, position, turn, middle, half)[:, 0] < ROUNDING
+        if not near.any():
+            continue
+        if len(position) > 1:
+            position, turn = position[near], turn[near]
         # Row vectors: the transpose turns back.
-        local = (points - position[:, None]) @ rotations.to_matrix(turn)
-        own = shape.depth(local.reshape(-1, 3), threads=threads).reshape(deepest.shape)
-        np.maximum(deepest, own, out=deepest)
+        local = (points[near] - position[:, None]) @ turn
+        own = shape.depth(local.reshape(-1, 3), threads=threads).reshape(local.shape[:2])
+        deepest[near] = np.maximum(deepest[near], own)
     return deepest

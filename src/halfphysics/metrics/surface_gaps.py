@@ -16,6 +16,7 @@ from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Sphere
 from halfphysics.metrics.argument_checks import Array
 from halfphysics.metrics.scene_solids import Solid, solids_of, tracks_of
 from halfphysics.metrics.skins import batches, frames_in, frames_of, skin
+from halfphysics.metrics.solid_boxes import distance_bound
 
 if TYPE_CHECKING:
     from halfphysics.scene.scene import Scene
@@ -169,7 +170,7 @@ class _Nearest:
         turns = rot.to_matrix(pose[1] if len(pose[1]) == 1 else pose[1][part])
         places = pose[0] if len(pose[0]) == 1 else pose[0][part]
         cell, group_of, middle, half = bounds
-        near = _between(shape, places, turns, middle, half) < self.gap[part][:, group_of]
+        near = distance_bound(shape, places, turns, middle, half) < self.gap[part][:, group_of]
         if not near.any():
             return
         t, v = np.nonzero(wanted & near[:, cell])
@@ -202,39 +203,6 @@ def _bounds(vertices: Array, cell: NDArray[np.integer], count: int) -> tuple[Arr
             low, high = corners.min(axis=1), corners.max(axis=1)
             middle[:, number], half[:, number] = 0.5 * (low + high), 0.5 * (high - low)
     return middle, half
-
-
-def _between(shape: Shape, places: Array, turns: Array, middle: Array, half: Array) -> Array:
-    """A lower bound of distances (t, G) [m] of boxes (t, G, 3) from a solid, -inf if they meet."""
-    if isinstance(shape, Plane):
-        normal = turns @ np.asarray(shape.normal)
-        offset = shape.offset + np.einsum("tj,tj->t", normal, places)
-        reach = np.einsum("tgj,tj->tg", half, np.abs(normal))
-        gap = np.einsum("tgj,tj->tg", middle, normal) - reach - offset[:, None]
-    else:
-        low, high = _box_of(shape)
-        centre = places + turns @ (0.5 * (low + high))
-        size = np.abs(turns) @ (0.5 * (high - low))
-        apart = np.abs(middle - centre[:, None]) - half - size[:, None]
-        gap = np.linalg.norm(np.maximum(apart, 0.0), axis=-1)
-    result: Array = np.where(gap <= 0.0, -np.inf, gap)
-    return result
-
-
-def _box_of(shape: Shape) -> tuple[Array, Array]:
-    """Corners of a box around a shape, in its frame."""
-    if isinstance(shape, Mesh):
-        return shape.query.bounds[0], shape.query.bounds[1]
-    if isinstance(shape, Box):
-        half = 0.5 * np.asarray(shape.size)
-    elif isinstance(shape, Sphere):
-        half = np.full(3, shape.radius)
-    elif isinstance(shape, Capsule | Cylinder):
-        cap = shape.radius if isinstance(shape, Capsule) else 0.0
-        half = np.array([shape.radius, shape.radius, 0.5 * shape.length + cap])
-    else:
-        half = np.full(3, np.inf)
-    return -half, half
 
 
 def _rest_normals(body: Any) -> tuple[NDArray[np.intp], Array] | None:

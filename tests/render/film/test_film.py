@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import sys
 from types import SimpleNamespace
 
@@ -47,6 +48,19 @@ def shoot(options=PLAIN, results=None, frames=None):
     return Shoot(results, options, [frames] * len(results), rate=FPS, times=times)
 
 
+@functools.cache
+def plain_shoot():
+    return shoot()
+
+
+@functools.cache
+def plain(frame):
+    """A frame of the small result as `PLAIN` has it: drawn once for all tests."""
+    picture = plain_shoot().picture(frame)
+    picture.setflags(write=False)
+    return picture
+
+
 def decoded(path):
     iio = pytest.importorskip("imageio.v3")
     pytest.importorskip("imageio_ffmpeg")
@@ -72,9 +86,8 @@ def test_a_film_has_every_frame_in_order(tmp_path, suffix, codec):
     assert frames.shape == (FRAMES, SIZE[1], SIZE[0], 3)
     assert (meta["fps"], meta["codec"]) == (FPS, codec)
     assert meta["pix_fmt"].startswith("yuv420p")
-    drawn = shoot()
     for k in range(FRAMES):
-        errors = [off(frames[k], drawn.picture(j)) for j in (k, (k + 8) % FRAMES)]
+        errors = [off(frames[k], plain(j)) for j in (k, (k + 8) % FRAMES)]
         assert errors[0] < LOSSY
         assert errors[0] < errors[1]
     assert [p.name for p in tmp_path.iterdir()] == [path.name]
@@ -108,7 +121,7 @@ def test_the_film_does_not_depend_on_the_number_of_threads(tmp_path):
 
 
 def test_ghost_and_body_show_and_the_ghost_can_be_left_out():
-    apart = shoot().picture(10)
+    apart = plain(10)
     alone = shoot(dataclasses.replace(PLAIN, ghost=False)).picture(10)
     red, _, of_blue = np.moveaxis(apart.astype(int), -1, 0)
     assert ((red - of_blue > 25) & (red - of_blue < 90)).sum() > 60  # skin
@@ -287,7 +300,7 @@ def test_one_frame_is_that_of_the_film_and_a_sheet_has_the_key_frames(tmp_path):
     still = tmp_path / "still.png"
     save_picture(small_result(), still, PLAIN, frame=-1)
     with Image.open(still) as image:
-        np.testing.assert_array_equal(np.asarray(image), shoot().picture(FRAMES - 1))
+        np.testing.assert_array_equal(np.asarray(image), plain(FRAMES - 1))
     sheet = tmp_path / "sheet.png"
     save_picture([small_result()] * 2, sheet, FilmOptions(size=(130, 64), samples=1))
     with Image.open(sheet) as image:

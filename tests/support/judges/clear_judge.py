@@ -95,15 +95,21 @@ class Judge:
         (`told_inside`), of all but the start's distance; `near`: gaps beyond it are not asked for,
         at most `NEAR` [m]."""
         verdict = Verdict(poses=len(poses) - 1, near=near)
+        rests = {}  # of each person and plane: its pieces' start and what of them still touches it
+        touching = {}  # of each person: (static, piece) that have touched since the start
         for first in range(0, max(1, len(poses) - 1), CHUNK):
-            for pieces in self.pieces:
+            for n, pieces in enumerate(self.pieces):
                 at = pieces.at(poses[first : first + CHUNK + 1])
-                for s, last in zip(self.planes, last_told(told, pieces, self.planes), strict=True):
-                    _over(s, at, first, verdict, last, 0.0 if told is None else TOUCH_OF_PLANES)
+                planes = zip(self.planes, last_told(told, pieces, self.planes), strict=True)
+                for k, (s, last) in enumerate(planes):
+                    rest = rests.setdefault((n, k), None if told is None else _Rest())
+                    _over(s, at, first, verdict, last, rest)
                 if self.statics:
                     last = last_told(told, pieces, self.statics)
                     touch = 0.0 if told is None else TOUCH
-                    _Chunk(self, at, first, verdict, last, touch).judge()
+                    chunk = _Chunk(self, at, first, verdict, last, touch, touching.get(n, set()))
+                    chunk.judge()
+                    touching[n] = chunk.touching()
         return verdict
 
     def surely_off(self, static, pose):
@@ -140,11 +146,12 @@ class Judge:
 class _Chunk:
     """The pieces of one person at consecutive poses, among the statics that are no planes."""
 
-    def __init__(self, judge, at, first, verdict, last_told, touch):
+    def __init__(self, judge, at, first, verdict, last_told, touch, touching):
         self.statics, self.obstacles = judge.statics, judge.obstacles
         self.at, self.first, self.verdict = at, first, verdict
         self.told = last_told - first  # last pose at which a piece is left out (S, P)
         self.touch = touch  # depth up to which it is left out until it is first clear [m]
+        self.before = touching  # (static, piece) that have touched up to the first of the poses
         # Boxes of the statics (S, 1, 3).
         self.lows, self.highs = (
             np.array([getattr(s, k) for s in self.statics])[:, None] for k in ("low", "high")
@@ -246,7 +253,15 @@ class _Chunk:
         """Has a piece touched a static since the first pose of all?"""
         if not -self.touch <= self._exact(k, i, pose)[0] <= 0.0:
             return False
-        return self._touches(k, i, pose - 1) if pose > 0 else self.first == 0
+        return (
+            self._touches(k, i, pose - 1) if pose > 0 else self.first == 0 or (k, i) in self.before
+        )
+
+    def touching(self):
+        """(static, piece) that have touched from the first pose of all to the last of these."""
+        last = len(self.at.low) - 1
+        ends = [(k, i) for k, i, pose in self.known if pose == last]
+        return {(k, i) for k, i in ends if self._touches(k, i, last)}
 
 
 def told_inside(world, frames):
@@ -279,18 +294,37 @@ def last_told(told, pieces, statics):
     return np.array(last, int).reshape(len(statics), len(parts))
 
 
-def _over(s, at, first, verdict, last_told, touch):
+@dataclass
+class _Rest:
+    """Pieces that start in a plane by what a start may be: heights there (P,), and which of them
+    have stayed so, no deeper."""
+
+    start: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    still: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))
+
+    def left_out(self, heights, first):
+        """Which of the heights (T, P) of poses from `first` on are such."""
+        if first == 0:
+            self.start = heights[0].copy()
+            self.still = (self.start >= -TOUCH_OF_PLANES) & (self.start <= 0.0)
+        no_deeper = heights >= np.maximum(self.start - ROUNDING, -TOUCH_OF_PLANES)
+        out = self.still & np.logical_and.accumulate(no_deeper & (heights <= 0.0))
+        self.still = out[-1]
+        return out
+
+
+def _over(s, at, first, verdict, last_told, rest):
     """Heights of all pieces over a plane; what is above it at two poses is so between.
 
     last_told: The last pose at which a piece is left out (P,).
-    touch: Depth up to which it is left out until it is first clear [m].
+    rest: What touches it from the start, `_Rest`, is left out; None: nothing.
     """
     normal, offset = s.plane
     heights = np.minimum.reduceat(at.corners @ normal, at.pieces.first[:-1]).T - offset
     if first == 0 and heights[0].min() < 0.0:
         verdict.start = min(verdict.start, float(heights[0].min()))
-    touches = (-touch <= heights) & (heights <= 0.0) & (first == 0)
-    heights[np.logical_and.accumulate(touches)] = np.inf
+    if rest is not None:
+        heights[rest.left_out(heights, first)] = np.inf
     heights[first + np.arange(len(heights))[:, None] <= last_told] = np.inf
     for k in np.flatnonzero(heights.min(axis=1) < -ROUNDING):
         verdict.inside.add(first + int(k))

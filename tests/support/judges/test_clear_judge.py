@@ -16,7 +16,7 @@ from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
 from halfphysics.simulation.simulator import Simulator
 from support.barriers import BARRIERS, barrier, sheet
-from support.judges.clear_judge import Judge, told_inside
+from support.judges.clear_judge import CHUNK, Judge, told_inside
 from support.judges.person_hulls import CONTACTS, pieces_of
 from support.people import FACING_X, t_pose
 from support.throws import OBSTACLES, throw
@@ -142,6 +142,31 @@ def test_what_touched_at_the_start_may_not_touch_again(body, kind, depth):
     simulator = Simulator(scene, body=body, fps=motion.fps)
     poses = np.array([simulator.world.start([motion[t]])[0] for t in range(len(motion))])
     assert Judge(simulator).judge_poses(poses, {}).inside == {3}
+
+
+def _poses(simulator, heights):
+    """Coordinates of a person whose lowest point is at these heights."""
+    body = simulator.bodies[0]
+    lowest = body.vertices(t_pose(np.zeros((2, 3))), frames=[0])[0, :, 2].min()
+    motion = t_pose(np.outer(np.array(heights) - lowest, [0.0, 0.0, 1.0]))
+    return np.array([simulator.world.start([motion[t]])[0] for t in range(len(motion))])
+
+
+@pytest.mark.parametrize("start", [-1.1e-6, 0.0, 1e-9])
+def test_what_touches_a_plane_at_the_start_may_not_sink(body, start):
+    """What is let pass at the start is so deep, not whatever a start may be."""
+    simulator = Simulator(_ground("plane"), body=body, fps=30.0)
+    verdict = Judge(simulator).judge_poses(_poses(simulator, [start, *[-9.9e-6] * 3]), {})
+    assert verdict.inside == {1, 2, 3}
+
+
+@pytest.mark.parametrize(("kind", "depth"), [("box", 5e-5), ("plane", 5e-6)])
+def test_who_stays_where_it_touches_is_left_out_for_as_long(body, kind, depth):
+    """For more poses than are judged together; and then it comes back."""
+    simulator = Simulator(_ground(kind), body=body, fps=30.0)
+    heights = [*[-depth] * (CHUNK + 6), 0.001, -depth]
+    verdict = Judge(simulator).judge_poses(_poses(simulator, heights), {})
+    assert verdict.inside == {CHUNK + 7}
 
 
 def test_a_run_tells_what_is_inside_and_until_when(body):

@@ -952,11 +952,9 @@ constexpr double kInTheAir = 1e-3;
 constexpr double kCarries = 0.03, kFaces = 0.5;
 // Frequency of the critically damped height [rad/s]: a step of 10 cm is taken in half a second. It
 // falls with gravity and rises with so much of it. Somebody whose leg does not reach the ground that it is to stand on,
-// who steps aside or is pushed, comes down faster [rad/s], and all of that from the last on by which the leg is too
-// short [m]: of 52 runs in rooms and on long walks 22 had fewer frames without support and 3 more. At 20 rad/s they
-// have no fewer, and at 25 one more of 60 displaced clips has knees that jerk (at 12 one jerks by 2.1 times the clip's
-// instead of 1.8).
-constexpr double kHeightRate = 8, kRise = 2, kHangingRate = 12, kHangsWhole = 0.01;
+// who steps aside or is pushed, comes down faster [rad/s]: of 52 runs in rooms 22 had fewer frames without support and 3
+// more; at 20 they have no fewer, and at 25 one more of 60 displaced clips has knees that jerk.
+constexpr double kHeightRate = 8, kRise = 2, kHangingRate = 12;
 // In a frame it turns by so much at most [rad]: from 0.83 on it would ring.
 constexpr double kHeightShare = 0.5;
 // Less time than this tells no speed [s].

@@ -72,7 +72,7 @@ Footing::Height Footing::wanted_height(bool starts) const {
     most = std::min(most, lift + model->legs[f].slack(stance_.body(), footwork_.offset(f)));
   }
   if (highest == -1e300) return {};
-  return {true, std::min(highest, most), 1 - fades(highest - most, 0, tune::kHangsWhole)};
+  return {true, std::min(highest, most), most < highest};
 }
 
 void Footing::move_height(double dt, double gravity) {
@@ -89,9 +89,9 @@ void Footing::move_height(double dt, double gravity) {
     return;
   }
   // Slower where frames are long: else it would ring.
-  const double hangs = to < height_ ? wanted.hangs : 0;
-  const double rate = std::min(tune::kHeightRate + hangs * (tune::kHangingRate - tune::kHeightRate),
-                               tune::kHeightShare / dt);
+  const bool hangs = wanted.hangs && to < height_;
+  const double rate =
+      std::min(hangs ? tune::kHangingRate : tune::kHeightRate, tune::kHeightShare / dt);
   const double pull = rate * rate * (to - height_) - 2 * rate * rising_;
   rising_ += dt * std::clamp(pull, -gravity, tune::kRise * gravity);
   height_ += dt * rising_;
@@ -163,7 +163,7 @@ double Footing::wanted_lift(size_t leg, double height, double rose, double rises
   const double carried_up = std::max(0.0, rose - tune::kRisesSlowly * dt);
   lift = std::max(lift - carried_up, std::min(lift, up + tune::kHangsBehind));
   const double gap = (1 - foot.rests) * tune::kSwingGap, soon = lift_for_soon(leg, height, gap, dt);
-  // Those of who sits come back to the motion from below as soon as they can, for the seat carries.
+  // Feet of who sits, which carry nothing, come back from below at once.
   const double at_once = sits() ? up : std::min(up, under.lift + gap - height);
   const double least = std::max(soon, at_once);
   up = std::max(up, soon);

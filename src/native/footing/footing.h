@@ -104,8 +104,8 @@ class Footing {
   // Where the person is to be; not known: nothing rests, the height stays.
   struct Height {
     bool known = false;
-    double at = 0;     // [m]
-    double hangs = 0;  // a leg that is to carry reaches no farther down: from 0, it reaches, to 1
+    double at = 0;       // [m]
+    bool hangs = false;  // a leg that is to carry reaches no farther down
   };
   Height wanted_height(bool starts) const;
   void come_down(const CollisionWorld& world, Vec3 displaced, double from, double dt);

@@ -70,10 +70,9 @@ void Stance::find_points(const FootingModel& model, const View& view) {
     }
   before_ = own_points_;
   aside_ = {};
-  if (started_ && heading_before_.z != 0) {
+  if (started_ && heading_.z != 0) {
     const Vec3 way = kin.xpos[root_] - root_before_;
-    const Vec3 aside = way - to_matrix(heading_before_) * way;
-    if (norm(aside) > tune::kNoWay) aside_ = aside;
+    aside_ = way - to_matrix(heading_) * way;
   }
   root_before_ = kin.xpos[root_];
   started_ = true;

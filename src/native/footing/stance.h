@@ -53,8 +53,8 @@ class Stance {
   const Kinematics& body() const { return tilts_ ? tilted_ : kin; }
   bool tilts() const { return tilts_; }
   bool flies() const { return flight_.flies(); }
-  // How far a point of the soles goes along the ground in a time, as it is seen but for what carries it aside
-  // (goes_aside), if it goes on to lose speed as it does [m]; and how fast it rises [m/s].
+  // How far a point of the soles goes along the ground in a time, as it is seen, if it goes on to lose speed as it
+  // does [m]; and how fast it rises [m/s].
   Vec3 goes(size_t point, double time) const;
   double rises(size_t point) const { return velocity_[point].z; }
   // How much of what carries somebody a foot is: 0 to 1.
@@ -69,8 +69,7 @@ class Stance {
     return exp_quat(0.5 * (log_quat(turned_before_) + log_quat(turned_)));
   }
   // Who is turned goes along the motion's own path nevertheless: how far that takes it, in this frame, beside the way
-  // that its turned feet make [m]:  (1 - R) dx,  R: how it was turned before, dx: the way of the root in the motion.
-  // What turning in the frame does to a foot comes on top (heading_change).
+  // that its turned feet make [m]:  (1 - R) dx,  R: how it is turned, dx: the way of the root in the motion.
   Vec3 goes_aside() const { return aside_; }
   // The reference with its root turned about `by`, into `out` [nq of the model].
   void turn_root(const Model& m, const double* qpos, Quat by, std::vector<double>& out) const;
